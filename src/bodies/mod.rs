@@ -1,0 +1,1 @@
+//! Bodies with a known true surface, and meshes made by programs.

@@ -1,0 +1,1 @@
+//! A mesh as one Embree user geometry of curved triangles.

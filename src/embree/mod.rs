@@ -1,0 +1,1 @@
+//! A safe wrapper over the installed Embree, 3.13 or 4.x.

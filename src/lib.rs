@@ -1,0 +1,22 @@
+//! Ray tracing of triangle meshes with vertex normals as the smooth curved surfaces they stand for,
+//! on top of Intel Embree.
+//!
+//! The rooms, in the one direction they may depend on each other:
+//!
+//! | room | job |
+//! |---|---|
+//! | [`surface`] | the spherical interpolation method: pure maths of one curved triangle |
+//! | [`mesh`] | triangle meshes: reading files, vertex normals, which triangles share a side |
+//! | [`bodies`] | bodies with a known true surface, and meshes made by programs |
+//! | [`embree`] | a safe wrapper over the installed Embree, 3.13 or 4.x |
+//! | [`curved`] | a mesh as one Embree user geometry of curved triangles |
+//! | [`render`] | cameras, lights, film: pictures |
+
+#![deny(missing_docs)]
+
+pub mod bodies;
+pub mod curved;
+pub mod embree;
+pub mod mesh;
+pub mod render;
+pub mod surface;

@@ -1,0 +1,2 @@
+//! The `curvetri` command.
+fn main() {}

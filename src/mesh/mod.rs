@@ -1,0 +1,1 @@
+//! Triangle meshes: reading files, vertex normals, which triangles share a side.

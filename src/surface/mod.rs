@@ -1,0 +1,1 @@
+//! The spherical interpolation method: pure maths of one curved triangle, no Embree.
