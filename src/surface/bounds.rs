@@ -87,7 +87,6 @@ pub(super) fn spread<S: Scalar>(patch: &Patch<S>) -> Spread<S> {
 }
 
 fn vertex_spread<S: Scalar>(patch: &Patch<S>, i: usize) -> VertexSpread<S> {
-    let (j, k) = (next(i), next(next(i)));
     let zero = S::from_f64(0.0);
     let curvature = curvature_range(patch, i);
     let (middles, corners) = offset_coefficients(patch, i, curvature);
@@ -95,22 +94,7 @@ fn vertex_spread<S: Scalar>(patch: &Patch<S>, i: usize) -> VertexSpread<S> {
         .iter()
         .chain(&corners)
         .fold(Range::zero(), |hull, &range| hull.hull(range));
-    let vertex = &patch.vertices[i];
-    let mut normal_guide = Range::of(vertex.normal);
-    let mut way_guide = zero;
-    let mut guide2 = Range::of(S::from_f64(1.0));
-    for (side, at) in patch.sides.iter().zip(0..3) {
-        let lean = Range::between(zero, side.lean);
-        normal_guide =
-            normal_guide.hull(lean.scaled(vertex.inward[at]).plus(Range::of(vertex.normal)));
-        // Next to the vertex y (1 - s) is at most a quarter of the median's y, that is a twelfth
-        // of the height; over the opposite side the vertex is at most its height away.
-        let part = S::from_f64(if at == i || at == k { 1.0 / 12.0 } else { 1.0 });
-        debug_assert!(at == i || at == k || at == j);
-        way_guide = way_guide.greater(side.lean.abs() * side.height * part);
-        guide2.hi = guide2.hi.greater(S::from_f64(1.0) + side.lean * side.lean);
-    }
-    let half_b = normal_guide.widened(curvature.max_abs() * way_guide);
+    let (half_b, guide2) = half_b_range(patch, i, curvature);
     let product = curvature.times(guide2).times(offset);
     let low = half_b.lo.greater(zero);
     let discriminant = low * low - product.hi.greater(zero);
@@ -121,6 +105,31 @@ fn vertex_spread<S: Scalar>(patch: &Patch<S>, i: usize) -> VertexSpread<S> {
         hi: one / (low + discriminant.greater(zero).sqrt()),
     };
     VertexSpread { middles, corners, half_b, discriminant, reach }
+}
+
+/// Ranges of `B_i = n.g - c d.g` and of `|g|^2`.
+fn half_b_range<S: Scalar>(
+    patch: &Patch<S>,
+    i: usize,
+    curvature: Range<S>,
+) -> (Range<S>, Range<S>) {
+    let zero = S::from_f64(0.0);
+    let vertex = &patch.vertices[i];
+    let mut half_b = Range::of(vertex.normal);
+    let mut guide2 = Range::of(S::from_f64(1.0));
+    for (k, side) in patch.sides.iter().enumerate() {
+        // In the sub-triangle of side k the guide is nc + lean (1 - s) w, and d.w is y, at most a
+        // third of the height, less the vertex's own y.
+        let own = if k == next(i) { side.height } else { zero };
+        let third = side.height * S::from_f64(1.0 / 3.0);
+        let way = Range { lo: -own, hi: third - own };
+        let inward = curvature.times(way).scaled(S::from_f64(-1.0));
+        let inward = inward.plus(Range::of(vertex.inward[k]));
+        let leaning = Range::between(zero, side.lean).times(inward);
+        half_b = half_b.hull(leaning.plus(Range::of(vertex.normal)));
+        guide2.hi = guide2.hi.greater(S::from_f64(1.0) + side.lean * side.lean);
+    }
+    (half_b, guide2)
 }
 
 /// The curvatures that occur at vertex `i`.
@@ -197,26 +206,52 @@ impl<S: Scalar> Spread<S> {
         let least = S::from_f64(MIN_REACH);
         self.vertices.iter().all(|v| least < v.half_b.lo && v.reach.hi.is_finite())
     }
+}
 
-    /// Whether the guides of some side lean over so far, at the surface's height, that they come
-    /// near to crossing those of the median.
-    pub fn folds(&self, patch: &Patch<S>) -> bool {
-        let zero = S::from_f64(0.0);
-        patch.sides.iter().enumerate().any(|(k, side)| {
-            // The height over the side is b_i C_i q_i + b_j C_j q_j with C = -b_i b_j bend.
-            let lift = |end: usize| {
-                let reach = self.vertices[if end == 0 { k } else { next(k) }].reach;
-                let slope = Range::of(-side.bend[end]).times(reach).scaled(side.tilt);
-                slope.hi.greater(zero)
+/// Whether the guides of some side lean over so far, at the surface's height, that they come near
+/// to crossing those of the median; where they did, the surface would crack.
+///
+/// Looks at the limits at both ends of a side, at the median's corner, and halfway.
+pub(super) fn folds<S: Scalar>(patch: &Patch<S>) -> bool {
+    let (zero, half, one) = (S::from_f64(0.0), S::from_f64(0.5), S::from_f64(1.0));
+    let most = S::from_f64(MAX_FOLD);
+    patch.sides.iter().enumerate().any(|(k, side)| {
+        let centroid = if side.obtuse { half } else { (one + side.foot) * S::from_f64(1.0 / 3.0) };
+        let rise = if side.obtuse { ramp_rise(side.foot) } else { side.rise };
+        let places = [zero, centroid * half, centroid, (one + centroid) * half, one];
+        places.iter().any(|&along| {
+            // The height over lambda (1 - lambda), and the median over the same.
+            let lift = (one - along) * end_lift(patch, k, 0, along)
+                + along * end_lift(patch, k, 1, along);
+            let room = if along <= centroid {
+                rise[0] / (one - along)
+            } else {
+                rise[1] / along
             };
-            let (first, second) = (lift(0), lift(1));
-            let quarter = S::from_f64(0.25);
-            let most = S::from_f64(MAX_FOLD);
-            let from_first = (first + second * quarter) / side.rise[0];
-            let from_second = (second + first * quarter) / side.rise[1];
-            !(from_first < most && from_second < most)
+            !(side.tilt * lift < most * room)
         })
-    }
+    })
+}
+
+/// What [`Side::rise`](super::patch::Side::rise) is to the paper's planes, for the ramp of obtuse
+/// triangles: the ramp `b_m / min(b_i, b_j)` is steepest at the median or at the side.
+fn ramp_rise<S: Scalar>(foot: S) -> [S; 2] {
+    let one = S::from_f64(1.0);
+    let steepness = |reach: S| one / (reach * reach).greater(one);
+    [steepness(one + foot), steepness(one + one - foot)]
+}
+
+/// `t_i / (lambda (1 - lambda) b_i)` on side `k`, where the guide is perpendicular to the side.
+fn end_lift<S: Scalar>(patch: &Patch<S>, k: usize, end: usize, along: S) -> S {
+    let side = &patch.sides[k];
+    let vertex = &patch.vertices[if end == 0 { k } else { next(k) }];
+    let one = S::from_f64(1.0);
+    let share = along * (one - along);
+    let bend = -side.bend[end] * (one - side.damping * share).greater(S::from_f64(MIN_DAMPING_FACTOR));
+    let half_b = vertex.normal + side.lean * vertex.inward[k];
+    let a = side.bend[end] / side.length2 * (one + side.lean * side.lean);
+    let discriminant = half_b * half_b - a * bend * share;
+    bend / (half_b + discriminant.greater(S::from_f64(0.0)).sqrt())
 }
 
 /// Bernstein coefficients of the height, each with its range: the three corners are zero, then

@@ -39,6 +39,7 @@ pub struct PatchFlags(u16);
 impl PatchFlags {
     const FLAT: u16 = 1 << 3;
     const SURFACE_SHIFT: u16 = 4;
+    const UNCHECKED: u16 = 1 << 6;
 
     /// All sides curved.
     pub const fn new(surface: Surface) -> Self {
@@ -59,6 +60,13 @@ impl PatchFlags {
     pub const fn with_flat(self) -> Self {
         Self(self.0 | Self::FLAT)
     }
+    /// Curved even where the guide field folds over or guides may miss the spheres, as the paper
+    /// has it: for measuring the method's own error on cuts too coarse for it. A folded patch has
+    /// holes for rays, and its bounds are no longer proven.
+    #[must_use]
+    pub const fn with_unchecked(self) -> Self {
+        Self(self.0 | Self::UNCHECKED)
+    }
     /// Whether side `side` is straight.
     pub const fn is_straight(self, side: usize) -> bool {
         self.0 & (1 << side) != 0
@@ -66,6 +74,10 @@ impl PatchFlags {
     /// Whether the triangle was told to stay flat.
     pub const fn is_flat(self) -> bool {
         self.0 & Self::FLAT != 0
+    }
+    /// Whether the checks for folds and bends are left out.
+    pub const fn is_unchecked(self) -> bool {
+        self.0 & Self::UNCHECKED != 0
     }
     /// The surface.
     pub const fn surface(self) -> Surface {

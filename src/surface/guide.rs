@@ -169,9 +169,14 @@ fn ramp_under<V: Real>(along: V, foot: V, above_m: V, shift: V) -> (V, V) {
     let root = |a0: V, a1: V| {
         let q = a0 - a1 * excess - shift;
         let discriminant = (q * q + four * a1 * a0 * excess).greater(zero);
-        let divisor = q + discriminant.sqrt();
-        let open = V::constant(1e-30).less(divisor);
-        V::select(open, V::constant(2.0) * a0 * excess, zero) / V::select(open, divisor, one)
+        let size = discriminant.sqrt();
+        // One root in two forms; each cancels for the other sign of q.
+        let (over, divisor) = (
+            V::select(q.less(zero), size - q, V::constant(2.0) * a0 * excess),
+            V::select(q.less(zero), a1 + a1, q + size),
+        );
+        let open = V::constant(1e-30).less(divisor.abs());
+        V::select(open, over, zero) / V::select(open, divisor, one)
     };
     let by_first = root(one - along, foot - one);
     let by_second = root(along, -foot);

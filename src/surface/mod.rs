@@ -24,6 +24,9 @@ mod ray;
 mod real;
 mod vector;
 
+#[cfg(test)]
+mod tests;
+
 pub use dual::Dual;
 pub use finish::MAX_PARTS;
 pub use flags::{PatchFlags, Surface};

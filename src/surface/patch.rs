@@ -377,16 +377,18 @@ impl<S: Scalar> Patch<S> {
     /// Chooses the rule, adds the correction, and bounds the heights.
     fn curve(&mut self, flags: PatchFlags) -> Result<HeightNet<S>, FlatReason> {
         let mut spread = bounds::spread(self);
-        if self.rule == Rule::Tensor && !spread.is_tame() {
+        if self.rule == Rule::Tensor && !spread.is_tame() && !flags.is_unchecked() {
             self.rule = Rule::Angular;
             self.kind = PatchKind::Fallback;
             spread = bounds::spread(self);
         }
-        if !spread.reaches() {
-            return Err(FlatReason::Bend);
-        }
-        if spread.folds(self) {
-            return Err(FlatReason::Fold);
+        if !flags.is_unchecked() {
+            if !spread.reaches() {
+                return Err(FlatReason::Bend);
+            }
+            if bounds::folds(self) {
+                return Err(FlatReason::Fold);
+            }
         }
         if flags.surface() == Surface::Smooth {
             correction::fit(self, flags);

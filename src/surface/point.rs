@@ -2,9 +2,12 @@
 
 use super::dual::Dual;
 use super::guide::Foot;
-use super::patch::{Patch, next};
+use super::patch::{Patch, Rule, next};
 use super::real::{Real, Scalar};
 use super::vector::{Vector, vector};
+
+/// How far from a vertex derivatives are taken at the least, in barycentric coordinates.
+const OFF_VERTEX: f64 = 1e-5;
 
 /// A point of the curved surface.
 #[derive(Clone, Copy, Debug)]
@@ -26,20 +29,12 @@ impl<S: Scalar> Patch<S> {
     /// median, where the guide field has a kink, they are those of one side.
     #[inline(always)]
     pub fn point<V: Real<Scalar = S>>(&self, u: V, v: V) -> SurfacePoint<V> {
-        let b2 = Dual::<V, 2>::variable(u, 0);
-        let b3 = Dual::<V, 2>::variable(v, 1);
-        let one = Dual { value: V::constant(1.0), parts: [V::constant(0.0); 2] };
-        let foot = self.foot_at::<V, _>([one - b2 - b3, b2, b3]);
+        let foot = self.foot_at::<V, V>([V::constant(1.0) - u - v, u, v]);
         let h = self.height(&foot);
-        let inward = self.inward(&foot);
-        let normal = Vector::<V>::splat(self.normal);
         let [to_second, to_third] = self.spokes.map(Vector::<V>::splat);
-        let out = foot.lean * h;
-        let local = to_second * u + to_third * v + normal * h.value + inward * out.value;
-        let tangent = |n: usize, spoke: Vector<V>| {
-            spoke + normal * h.parts[n] + inward * out.parts[n]
-        };
-        let (tangent_u, tangent_v) = (tangent(0, to_second), tangent(1, to_third));
+        let guide = Vector::splat(self.normal) + self.inward(&foot) * foot.lean;
+        let local = to_second * u + to_third * v + guide * h;
+        let [tangent_u, tangent_v] = self.tangents(u, v);
         let across = tangent_u.cross(tangent_v) * V::splat(self.winding);
         let size = V::splat(self.size);
         SurfacePoint {
@@ -48,6 +43,39 @@ impl<S: Scalar> Patch<S> {
             tangent_v: tangent_v * size,
             normal: across.normalize(),
         }
+    }
+
+    /// The surface's own geometric normal at barycentric coordinates `(1 - u - v, u, v)`: unit, on
+    /// the side of the vertex normals. [`SurfacePoint::normal`] without the rest.
+    #[inline(always)]
+    pub fn normal_at<V: Real<Scalar = S>>(&self, u: V, v: V) -> Vector<V> {
+        if self.rule == Rule::Flat {
+            return Vector::splat(self.normal);
+        }
+        let [tangent_u, tangent_v] = self.tangents(u, v);
+        (tangent_u.cross(tangent_v) * V::splat(self.winding)).normalize()
+    }
+
+    /// Derivatives of the position by u and v, in units of the patch's size.
+    #[inline(always)]
+    fn tangents<V: Real<Scalar = S>>(&self, u: V, v: V) -> [Vector<V>; 2] {
+        let (foot, h) = self.raised(off_vertex(u, v));
+        let out = foot.lean * h;
+        let (normal, inward) = (Vector::splat(self.normal), self.inward(&foot));
+        [0, 1].map(|n| {
+            Vector::splat(self.spokes[n]) + normal * h.parts[n] + inward * out.parts[n]
+        })
+    }
+
+    /// The foot and the height over it, with their derivatives by u and v.
+    #[inline(always)]
+    fn raised<V: Real<Scalar = S>>(&self, [u, v]: [V; 2]) -> (Foot<V, Dual<V, 2>>, Dual<V, 2>) {
+        let b2 = Dual::<V, 2>::variable(u, 0);
+        let b3 = Dual::<V, 2>::variable(v, 1);
+        let one = Dual { value: V::constant(1.0), parts: [V::constant(0.0); 2] };
+        let foot = self.foot_at::<V, _>([one - b2 - b3, b2, b3]);
+        let h = self.height(&foot);
+        (foot, h)
     }
 
     /// The inward perpendicular of the foot's side.
@@ -60,4 +88,16 @@ impl<S: Scalar> Patch<S> {
         };
         vector(of(|g| g.x), of(|g| g.y), of(|g| g.z))
     }
+}
+
+/// Moves a point that lies on a vertex off it by a trifle: at the vertex itself the direction to
+/// the plane point, and with it the derivative, is undefined; its limit is the same from all sides.
+#[inline(always)]
+fn off_vertex<V: Real>(u: V, v: V) -> [V; 2] {
+    let trifle = V::constant(OFF_VERTEX);
+    let (third, one) = (V::constant(1.0 / 3.0), V::constant(1.0));
+    let greatest = u.greater(v).greater(one - u - v);
+    let near = (one - trifle).less(greatest);
+    let share = V::select(near, trifle, V::constant(0.0));
+    [u + (third - u) * share, v + (third - v) * share]
 }
