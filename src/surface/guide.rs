@@ -6,7 +6,7 @@
 //! side whose sub-triangle the foot lies in.
 
 use super::dual::{at_least, capped, lesser};
-use super::patch::{Patch, Side, next};
+use super::patch::{Patch, Rule, Side, next};
 use super::real::{Jet, Mask, Real, Scalar};
 
 /// Which side's sub-triangle each lane is in.
@@ -107,6 +107,9 @@ impl<S: Scalar> Patch<S> {
         let (zero, one) = (V::constant(0.0), V::constant(1.0));
         let sides = &self.sides;
         let choice = Choice::<V>::nearest(above);
+        if self.rule == Rule::Flat {
+            return Foot { b: above, lean: zero, choice };
+        }
         let foot = choice.constant(|k| sides[k].foot);
         let above_m = choice.pick([above[2], above[0], above[1]]);
         let above_j = choice.pick([above[1], above[2], above[0]]);

@@ -6,8 +6,9 @@ use super::guide::Foot;
 use super::patch::{Patch, Rule, next};
 use super::real::{Jet, Real, Scalar};
 
-/// The damping factor's floor: where three sides disagree strongly it would turn negative.
-pub(super) const MIN_DAMPING_FACTOR: f64 = 0.1;
+/// The damping factor's floor: where three sides disagree strongly it would turn negative. A side
+/// alone takes it down to 0.1 at most, so that no side's slope hangs on which of two equals wins.
+pub(super) const MIN_DAMPING_FACTOR: f64 = 0.09;
 
 /// What a curvature rule says at a vertex about a plane point at `d` from it.
 struct Curvature<T> {

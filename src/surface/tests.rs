@@ -1,7 +1,6 @@
 //! Tests of the kernel as a whole: whole bodies, inverse against forward, bounds, `f32` against
 //! `f64`, residuals.
 
-use proptest::prelude::*;
 
 use super::*;
 
@@ -176,7 +175,119 @@ fn probe_bounds() {
     }
 }
 
-proptest! {
-    #[test]
-    fn placeholder(x in 0..3) { prop_assert!(x < 3); }
+
+fn ray<S: Scalar>(o: V, d: V) -> Ray<S> {
+    Ray {
+        origin: Vector::from_f64(o),
+        direction: Vector::from_f64(d),
+        tnear: S::from_f64(0.0),
+        tfar: S::HUGE,
+    }
+}
+
+fn rounded(p: [V; 3]) -> [Vector<f32>; 3] {
+    p.map(Vector::<f32>::from_f64)
+}
+
+#[test]
+fn probe_f32() {
+    let mut random = Random(3);
+    let eps = f64::from(f32::EPSILON);
+    for surface in Surface::ALL {
+        for (tilt, flatness, scale, offset, far) in [
+            (10.0, 0.3, 1.0, 0.0, 3.0), (30.0, 0.3, 1.0, 0.0, 3.0), (30.0, 1.0, 1.0, 0.0, 3.0),
+            (20.0, 0.3, 1e-5, 0.0, 3.0), (20.0, 0.3, 1e5, 0.0, 3.0), (20.0, 0.3, 1.0, 100.0, 3.0), (20.0, 0.3, 1.0, 0.0, 1000.0),
+        ] {
+            let (mut total, mut hits32, mut hits64, mut differ, mut missed, mut extra) = (0, 0, 0, 0, 0, 0);
+            let (mut residual, mut angle, mut evals) = (0.0f64, 0.0f64, 0u64);
+            let mut bad = 0; let mut badangle = 0;
+            for _ in 0..3000 {
+                let (p, n) = random.triangle(tilt, flatness);
+                let shift = random.direction() * offset;
+                let p = p.map(|v| in_f32(v * scale + shift * scale));
+                let flags = PatchFlags::new(surface);
+                let patch = Patch::<f64>::new(p, n, flags);
+                let patch32 = Patch::<f32>::new(rounded(p), rounded(n), flags);
+                if patch.kind() != patch32.kind() { differ += 1; continue; }
+                for _ in 0..20 {
+                    let [u, v] = random.inside();
+                    let target = patch.point(u, v).position;
+                    let d = in_f32(random.direction() * random.between(0.5, 2.0));
+                    let o = in_f32(target - d * (scale * far));
+                    let (r64, r32) = (ray::<f64>(o, d), ray::<f32>(o, d));
+                    let (a, b) = (patch.intersect(&r64, Solver::default()), patch32.intersect(&r32, Solver::default()));
+                    total += 1;
+                    hits64 += usize::from(a.found);
+                    hits32 += usize::from(b.found);
+                    evals += u64::from(b.evaluations);
+                    if a.found && !b.found { missed += 1; }
+                    if b.found && !a.found { extra += 1; }
+                    if b.found {
+                        let t = f64::from(b.t);
+                        let q = o + d * t;
+                        let sp = patch.point(f64::from(b.u), f64::from(b.v));
+                        let error = (sp.position - q).length();
+                        let s = (p[1]-p[0]).length().max((p[2]-p[0]).length()).max((p[2]-p[1]).length());
+                        let allowed = 1e-5 * s + 8.0 * eps * (o.length() + t * d.length());
+                        residual = residual.max(error / allowed);
+                        if error > allowed { bad += 1;
+                            if bad % 40 == 1 {
+                                let at = |tt: f64| { let seg = super::ray::Segment::clip(&patch, &r64); let x = tt - seg.start; let z = seg.z(x); let foot = patch.foot_under(seg.projection(x), z); (z, patch.height(&foot), foot.b, seg.projection(x), seg.start, seg.length) };
+                                println!("BAD {:?} {:.3?} {:.3?} cos {:.3?} {error:.2e} allowed {allowed:.1e} u {} v {} t {t} t64 {:?} {:.4?} obtuse {:?} leans {:.3?} slab {:.4?}", patch.kind(), patch.sides.map(|s| s.correction), patch32.sides.map(|s| s.correction), patch.vertices.map(|v| v.normal), b.u, b.v, a.found.then_some(a.t), at(t), patch.sides.map(|s| (s.obtuse, s.foot)), patch.sides.map(|s| s.lean), patch.slab);
+                            }
+                        }
+                        let n32 = patch32.normal_at(b.u, b.v).to_f64();
+                        let turn = n32.cross(sp.normal).length().asin().to_degrees();
+                        angle = angle.max(turn);
+                        if turn > 0.5 { badangle += 1; }
+                        if a.found && (a.t - t).abs() > 1e-4 * s + 8.0 * eps * ((o - p[0]).length() + t * d.length()) { differ += 1; }
+                    }
+                }
+            }
+            println!("{surface:?} {tilt} {flatness} {scale:e} {offset} {far}: {total} rays, {hits64} {hits32} missed {missed} extra {extra} differ {differ} residual {residual:.3} bad {bad} angle {angle:.3} {badangle} evals {:.1}", evals as f64 / total as f64);
+        }
+    }
+}
+
+#[test]
+fn probe_first_roots() {
+    let mut random = Random(5);
+    for (tilt, flatness) in [(10.0, 0.3), (15.0, 0.5), (30.0, 0.5), (45.0, 1.0)] {
+        let solvers = [Solver::Ita{bits: 24, step: 3}, Solver::Ita{bits:24,step:4}, Solver::Finish{parts: 4}, Solver::Finish{parts: 8}, Solver::Finish{parts: 16}];
+        let mut wrong = [0; 5]; let mut missed = [0; 5]; let mut evals = [0u64; 5];
+        let mut total = 0; let mut none=0; let mut roots=[0;8]; let mut outside_aim = 0;
+        for _ in 0..1000 {
+            let (p, n) = random.triangle(tilt, flatness);
+            let patch = Patch::<f64>::new(p, n, PatchFlags::new(Surface::Smooth));
+            if !matches!(patch.kind(), PatchKind::Curved | PatchKind::Fallback) { continue; }
+            for _ in 0..40 {
+                let [u, v] = random.inside();
+                let target = patch.point(u, v);
+                // half of them grazing
+                let mut d = random.direction();
+                if random.unit() < 0.5 { d = (d - target.normal * (d.dot(target.normal) * random.between(0.8, 1.0))).normalize(); }
+                let r = ray::<f64>(target.position - d * 5.0, d);
+                let seg = super::ray::Segment::clip(&patch, &r);
+                if !seg.alive { outside_aim += 1; continue; }
+                let f = |at: f64| { let z = seg.z(at); z - patch.height(&patch.foot_under(seg.projection(at), z)) };
+                total += 1;
+                let mut last = f(0.0); let mut first = None; let mut count = 0;
+                for k in 1..=2000 { let x = seg.length * k as f64 / 2000.0; let y = f(x);
+                    if (y < 0.0) != (last < 0.0) { count += 1; if first.is_none() { first = Some(seg.start + x - seg.length / 4000.0); } }
+                    last = y; }
+                roots[count.min(7)] += 1;
+                if first.is_none() { none += 1; }
+                for (k, s) in solvers.iter().enumerate() {
+                    let hit = patch.intersect(&r, *s);
+                    evals[k] += hit.evaluations as u64;
+                    match (first, hit.found) {
+                        (Some(t), true) => if (t - hit.t).abs() > 1e-3 + seg.length / 1000.0 { wrong[k] += 1 },
+                        (Some(_), false) => missed[k] += 1,
+                        _ => {}
+                    }
+                }
+            }
+        }
+        println!("tilt {tilt} {flatness}: {total} rays dead {outside_aim} none {none} roots {roots:?} wrong {wrong:?} missed {missed:?} evals {:.1?}", evals.map(|e| e as f64 / total as f64));
+    }
 }
