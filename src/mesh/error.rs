@@ -1,0 +1,125 @@
+//! What can be wrong with a mesh or its file, each with a sentence that names the place.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// The largest coordinate a mesh may have: single precision's squares overflow a little beyond it,
+/// and Embree takes larger bounds for invalid.
+pub const MAX_COORDINATE: f64 = 1e18;
+
+/// The most index values (three a triangle) a mesh may have.
+pub const MAX_INDICES: u64 = 1 << 31;
+
+/// Why arrays of numbers are no mesh. Vertices, normals and faces are numbered from 0, as in the
+/// arrays.
+#[derive(Debug, Error, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// There is no triangle.
+    #[error("the mesh is empty: it has no triangles")]
+    Empty,
+    /// A coordinate is NaN or infinite.
+    #[error("vertex {vertex} is not finite: {x} {y} {z}")]
+    NotFinite {
+        /// The vertex.
+        vertex: usize,
+        /// Its first coordinate.
+        x: f64,
+        /// Its second coordinate.
+        y: f64,
+        /// Its third coordinate.
+        z: f64,
+    },
+    /// A coordinate is beyond [`MAX_COORDINATE`].
+    #[error(
+        "vertex {vertex} lies too far out ({x} {y} {z}): coordinates may go up to {MAX_COORDINATE:e}; \
+         scale the mesh down"
+    )]
+    TooFar {
+        /// The vertex.
+        vertex: usize,
+        /// Its first coordinate.
+        x: f64,
+        /// Its second coordinate.
+        y: f64,
+        /// Its third coordinate.
+        z: f64,
+    },
+    /// A face names a vertex that does not exist.
+    #[error("face {face} names vertex {index}, but there are only {vertices} (0 is the first)")]
+    VertexOutOfRange {
+        /// The face.
+        face: usize,
+        /// What it names.
+        index: u32,
+        /// How many there are.
+        vertices: usize,
+    },
+    /// A face names a normal that does not exist.
+    #[error("face {face} names normal {index}, but there are only {normals} (0 is the first)")]
+    NormalOutOfRange {
+        /// The face.
+        face: usize,
+        /// What it names.
+        index: u32,
+        /// How many there are.
+        normals: usize,
+    },
+    /// The normals do not match the vertices or faces one to one.
+    #[error("{normals} normals do not match {expected}")]
+    NormalCount {
+        /// How many normals or triples of normal indices there are.
+        normals: usize,
+        /// What there should be as many of.
+        expected: String,
+    },
+    /// More than [`MAX_INDICES`] index values.
+    #[error(
+        "{indices} index values are more than the {MAX_INDICES} (2^31) a mesh may have; split the mesh"
+    )]
+    TooManyIndices {
+        /// How many there are.
+        indices: u64,
+    },
+}
+
+/// Why a mesh file could not be loaded.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum LoadError {
+    /// The file cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// The file is of a format that is not read.
+    #[error("{}: {what}; OBJ files are read", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// What the file seems to be.
+        what: String,
+    },
+    /// A line of the file is wrong.
+    #[error("{}:{line}: {what}", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// The file's content as a whole is no mesh.
+    #[error("{}: {source}", path.display())]
+    Mesh {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: MeshError,
+    },
+}

@@ -1,0 +1,219 @@
+//! The text of an OBJ file: decoded, cut into logical lines.
+
+/// Whether the bytes start with UTF-16's byte order mark.
+pub(super) fn is_utf16(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff")
+}
+
+/// The file's text: UTF-16 where it starts with its byte order mark, else UTF-8, and where that
+/// fails Latin-1, which always succeeds.
+pub(super) fn decode(mut bytes: Vec<u8>) -> String {
+    if is_utf16(&bytes) {
+        let unit = match bytes[0] {
+            0xff => u16::from_le_bytes,
+            _ => u16::from_be_bytes,
+        };
+        let (pairs, _) = bytes[2..].as_chunks::<2>();
+        let units = pairs.iter().map(|&pair| unit(pair));
+        return char::decode_utf16(units)
+            .map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER))
+            .collect();
+    }
+    if bytes.starts_with(b"\xef\xbb\xbf") {
+        bytes.drain(..3);
+    }
+    String::from_utf8(bytes)
+        .unwrap_or_else(|error| error.into_bytes().iter().map(|&b| char::from(b)).collect())
+}
+
+/// A line of the file, with the lines it continues on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Line<'a> {
+    /// The number of its first line in the file, from 1.
+    pub(super) number: usize,
+    /// The first word.
+    pub(super) keyword: &'a str,
+    /// What follows, up to a comment; with the backslashes and line ends of continuations.
+    pub(super) rest: &'a str,
+}
+
+impl<'a> Line<'a> {
+    /// The words after the keyword, continuations joined.
+    pub(super) fn words(&self) -> impl Iterator<Item = &'a str> + Clone + use<'a> {
+        self.rest
+            .split(|c: char| c.is_ascii_whitespace() || c == '\\')
+            .filter(|word| !word.is_empty())
+    }
+}
+
+/// The logical lines of a text, without blank ones and comments.
+#[derive(Clone)]
+pub(super) struct Lines<'a> {
+    left: &'a str,
+    number: usize,
+    line_end: u8,
+}
+
+impl<'a> Lines<'a> {
+    pub(super) fn new(text: &'a str) -> Lines<'a> {
+        // Line feeds end lines, or carriage returns where there is no line feed at all.
+        let line_end = if text.as_bytes().contains(&b'\n') {
+            b'\n'
+        } else {
+            b'\r'
+        };
+        Lines {
+            left: text,
+            number: 0,
+            line_end,
+        }
+    }
+
+    /// The next physical line, without its end.
+    fn physical(&mut self) -> Option<&'a str> {
+        if self.left.is_empty() {
+            return None;
+        }
+        self.number += 1;
+        let end = self.left.find(char::from(self.line_end));
+        let (line, left) = match end {
+            Some(end) => (&self.left[..end], &self.left[end + 1..]),
+            None => (self.left, ""),
+        };
+        self.left = left;
+        Some(line)
+    }
+}
+
+/// Keywords whose lines go on where they end in a backslash. Others do not: names may be paths that
+/// end in one.
+fn may_continue(keyword: &str) -> bool {
+    matches!(
+        keyword,
+        "v" | "vn"
+            | "vt"
+            | "vp"
+            | "f"
+            | "fo"
+            | "l"
+            | "p"
+            | "curv"
+            | "curv2"
+            | "surf"
+            | "parm"
+            | "trim"
+            | "hole"
+            | "scrv"
+            | "sp"
+            | "con"
+            | "bmat"
+            | "deg"
+            | "step"
+    )
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = Line<'a>;
+
+    fn next(&mut self) -> Option<Line<'a>> {
+        loop {
+            let from = self.left;
+            let first = self.physical()?;
+            let number = self.number;
+            let trimmed = first.trim_start();
+            let length = trimmed
+                .find(|c: char| c.is_ascii_whitespace())
+                .unwrap_or(trimmed.len());
+            let keyword = &trimmed[..length];
+            if keyword.is_empty() || keyword.starts_with('#') {
+                continue;
+            }
+            let mut end = first.len();
+            let mut last = first;
+            if may_continue(keyword) {
+                while is_continued(last) {
+                    let Some(more) = self.physical() else { break };
+                    end += 1 + more.len();
+                    last = more;
+                }
+            }
+            let start = first.len() - trimmed.len() + length;
+            let rest = &from[start..end];
+            let rest = comment_start(rest).map_or(rest, |at| &rest[..at]);
+            return Some(Line {
+                number,
+                keyword,
+                rest,
+            });
+        }
+    }
+}
+
+/// Whether a line ends in a backslash that no comment swallows.
+fn is_continued(line: &str) -> bool {
+    line.trim_end().ends_with('\\') && comment_start(line).is_none()
+}
+
+/// Where a word starts with `#`. Within words it is none: `1.#QNAN` is what some programs write.
+fn comment_start(line: &str) -> Option<usize> {
+    line.match_indices('#')
+        .map(|(at, _)| at)
+        .find(|&at| line[..at].ends_with(|c: char| c.is_ascii_whitespace()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(text: &str) -> Vec<(usize, &str, Vec<&str>)> {
+        Lines::new(text)
+            .map(|l| (l.number, l.keyword, l.words().collect()))
+            .collect()
+    }
+
+    #[test]
+    fn continuations_join_and_comments_go() {
+        let text = "# head \\\nv 1 2 \\\r\n 3 # not 4\n\n  f\t1 2\\\n3 \\\n4\r\n#f 1\nv 7";
+        assert_eq!(
+            lines(text),
+            [
+                (2, "v", vec!["1", "2", "3"]),
+                (5, "f", vec!["1", "2", "3", "4"]),
+                (9, "v", vec!["7"]),
+            ]
+        );
+    }
+
+    #[test]
+    fn names_that_end_in_a_backslash_do_not_swallow_the_next_line() {
+        let text = "mtllib C:\\models\\\nv 1 2 3\n";
+        assert_eq!(lines(text)[1], (2, "v", vec!["1", "2", "3"]));
+    }
+
+    #[test]
+    fn a_backslash_at_the_end_of_the_text_is_nothing() {
+        assert_eq!(lines("f 1 2 3 \\"), [(1, "f", vec!["1", "2", "3"])]);
+    }
+
+    #[test]
+    fn carriage_returns_alone_end_lines() {
+        assert_eq!(
+            lines("v 1\rv 2"),
+            [(1, "v", vec!["1"]), (2, "v", vec!["2"])]
+        );
+    }
+
+    #[test]
+    fn utf16_latin1_and_marked_utf8_decode() {
+        let text = "v 1 # ü";
+        let le: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let be: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+        assert_eq!(decode([b"\xff\xfe".to_vec(), le].concat()), text);
+        assert_eq!(decode([b"\xfe\xff".to_vec(), be].concat()), text);
+        assert_eq!(
+            decode([b"\xef\xbb\xbf".to_vec(), text.into()].concat()),
+            text
+        );
+        assert_eq!(decode(b"v 1 # \xfc".to_vec()), text);
+    }
+}
