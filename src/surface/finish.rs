@@ -7,7 +7,9 @@ use super::real::{Mask, Real, Scalar};
 /// Most parts that a segment is sampled in.
 pub const MAX_PARTS: usize = 16;
 /// How often a suspected pair of close roots is looked into.
-const MAX_PROBES: usize = 5;
+const MAX_PROBES: usize = 8;
+/// A place is worth a look where a parabola comes down to this share of the least sample there.
+const PROMISE: f64 = 1.0;
 /// Most steps of the bracketing method; far fewer are ever needed.
 const MAX_STEPS: usize = 60;
 
@@ -63,7 +65,9 @@ pub(super) fn first_root<V: Real>(
     Root { at: chandrupatla(f, bracket, tolerance, found), found }
 }
 
-/// Looks between the samples before the bracket for a change of sign that they miss.
+/// Looks between the samples before the bracket for a change of sign that they miss: a parabola
+/// through three consecutive samples of one sign tells where the function comes nearest to zero,
+/// and each look there makes the next parabola narrower.
 #[inline(always)]
 fn probe_minima<V: Real>(
     f: &mut impl FnMut(V) -> V,
@@ -72,40 +76,83 @@ fn probe_minima<V: Real>(
     alive: V::Mask,
     bracket: &mut Bracket<V>,
 ) {
-    let (zero, half, one) = (V::constant(0.0), V::constant(0.5), V::constant(1.0));
-    let mut least = values[0].abs();
-    for value in &values[1..] {
-        least = least.lesser(value.abs());
-    }
-    let mut settled = V::Mask::splat(false);
-    let mut probes = 0;
-    for (n, three) in values.windows(3).enumerate() {
-        let [l, m, r] = [three[0], three[1], three[2]];
-        let middle = part * V::constant((n + 1) as f64);
-        let changes = differ(l, m) | differ(m, r);
+    let mut settled = !alive;
+    let mut budget = MAX_PROBES;
+    for n in 0..values.len() - 2 {
+        let at = |k: usize| (part * V::constant((n + k) as f64), values[n + k]);
+        let mut dip = Dip { left: at(0), middle: at(1), right: at(2) };
         // Only what lies before the first change of sign matters: after it the first root is known.
-        settled = settled | changes;
-        let bend = l - m - m + r;
-        let slope = (r - l) * half;
-        let curved = zero.less(bend.abs());
-        let vertex = V::select(curved, -slope, zero) / V::select(curved, bend, one);
-        let lowest = m + vertex * slope * half;
-        let inside = vertex.abs().at_most(one);
-        let promising = lowest.abs().less(least * half) | differ(lowest, m);
-        let look = alive & !settled & curved & inside & promising;
-        if probes == MAX_PROBES || !look.any() {
-            continue;
+        settled = settled | differ(dip.left.1, dip.middle.1) | differ(dip.middle.1, dip.right.1);
+        let mut look = !settled;
+        while budget > 0 {
+            let (place, promising) = dip.lowest();
+            look = look & promising;
+            if !look.any() {
+                break;
+            }
+            budget -= 1;
+            let probe = (place, f(place));
+            let crossed = look & differ(probe.1, dip.middle.1);
+            let from = dip.before(place);
+            bracket.replace(crossed, from, probe);
+            settled = settled | crossed;
+            look = look & !crossed;
+            dip.narrow(probe);
         }
-        probes += 1;
-        let place = middle + vertex * part;
-        let value = f(place);
-        let crossed = look & differ(value, m);
-        let right = zero.less(vertex);
-        let from = V::select(right, middle, middle - part);
-        let at_from = V::select(right, m, l);
-        bracket.replace(crossed, (from, at_from), (place, value));
-        settled = settled | crossed;
     }
+}
+
+/// Three places with values of one sign, in order.
+struct Dip<V> {
+    left: (V, V),
+    middle: (V, V),
+    right: (V, V),
+}
+
+impl<V: Real> Dip<V> {
+    /// Where the parabola through the three comes nearest to zero, and whether it is worth a look.
+    #[inline(always)]
+    fn lowest(&self) -> (V, V::Mask) {
+        let (zero, one) = (V::constant(0.0), V::constant(1.0));
+        let (to_left, to_right) = (self.left.0 - self.middle.0, self.right.0 - self.middle.0);
+        let (rise_left, rise_right) = (self.left.1 - self.middle.1, self.right.1 - self.middle.1);
+        // middle + slope x + bend x^2 in the distance x from the middle, times a common divisor.
+        let divisor = to_left * to_right * (to_left - to_right);
+        let bend = rise_left * to_right - rise_right * to_left;
+        let slope = rise_right * to_left * to_left - rise_left * to_right * to_right;
+        let curved = zero.less(bend.abs()) & zero.less(divisor.abs());
+        let x = V::select(curved, -slope, zero) / V::select(curved, bend + bend, one);
+        let value = self.middle.1 + x * V::constant(0.5) * slope / V::select(curved, divisor, one);
+        let inside = to_left.less(x) & x.less(to_right);
+        let least = self.left.1.abs().lesser(self.middle.1.abs()).lesser(self.right.1.abs());
+        let nears = value.abs().less(least * V::constant(PROMISE)) | differ(value, self.middle.1);
+        (self.middle.0 + x, curved & inside & nears)
+    }
+
+    /// The last of the three before a place.
+    #[inline(always)]
+    fn before(&self, place: V) -> (V, V) {
+        let after = self.middle.0.less(place);
+        pair(after, self.middle, self.left)
+    }
+
+    /// The three around the least of the four that a further place makes.
+    #[inline(always)]
+    fn narrow(&mut self, probe: (V, V)) {
+        let after = self.middle.0.less(probe.0);
+        let lower = probe.1.abs().less(self.middle.1.abs());
+        let (first, second) = (pair(after, self.middle, probe), pair(after, probe, self.middle));
+        // In order: left, first, second, right. The middle one is the lower of the inner two.
+        let keep_second = (after & lower) | (!after & !lower);
+        self.left = pair(keep_second, first, self.left);
+        self.right = pair(keep_second, self.right, second);
+        self.middle = pair(keep_second, second, first);
+    }
+}
+
+#[inline(always)]
+fn pair<V: Real>(mask: V::Mask, yes: (V, V), no: (V, V)) -> (V, V) {
+    (V::select(mask, yes.0, no.0), V::select(mask, yes.1, no.1))
 }
 
 /// Chandrupatla's method: inverse quadratic interpolation where that is safe, else bisection; the

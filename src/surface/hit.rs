@@ -9,6 +9,9 @@ use super::real::{Mask, Real, Scalar};
 /// A hit's barycentric coordinates may lie this far outside: neighbours overlap a little.
 const MAX_OUTSIDE: f64 = 9e-5;
 
+/// How far beyond a root the search for the next one begins, in units of the patch's size.
+const BEYOND: f64 = 1e-5;
+
 /// How the root along a ray is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solver {
@@ -80,6 +83,15 @@ impl<S: Scalar> Patch<S> {
         let foot = self.foot_under(segment.projection(at), segment.z(at));
         let [u, v] = kept_inside(foot.b);
         Hit { found, t, u, v, evaluations }
+    }
+
+    /// The least parameter at which to look for the root after the one at `t`: beyond the reach of
+    /// rounding, so that the same root is not found twice.
+    pub fn beyond(&self, ray: &Ray<S>, t: S) -> S {
+        let way = ray.direction.length();
+        let distance = (ray.origin - self.origin).length();
+        let step = self.size * S::from_f64(BEYOND) + distance * S::EPSILON * S::from_f64(8.0);
+        t + (step / way).greater(t.abs() * S::EPSILON * S::from_f64(2.0))
     }
 
     #[inline(always)]

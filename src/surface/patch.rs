@@ -99,11 +99,21 @@ pub(super) struct Vertex<S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct PatchRecord {
-    /// The flags the patch was made with, and what it turned out to be.
     flags: PatchFlags,
     kind: PatchKind,
     slab: [f32; 2],
     correction: [[f32; 3]; 3],
+}
+
+impl PatchRecord {
+    /// The flags the patch was made with.
+    pub fn flags(&self) -> PatchFlags {
+        self.flags
+    }
+    /// What the triangle turned out to be.
+    pub fn kind(&self) -> PatchKind {
+        self.kind
+    }
 }
 
 /// A curved triangle, ready for rays.
@@ -412,3 +422,5 @@ impl<S: Scalar> Patch<S> {
         }
     }
 }
+
+const _: () = assert!(size_of::<PatchRecord>() == 48, "what is kept of a triangle has grown");

@@ -252,21 +252,21 @@ fn probe_f32() {
 #[test]
 fn probe_first_roots() {
     let mut random = Random(5);
-    for (tilt, flatness) in [(10.0, 0.3), (15.0, 0.5), (30.0, 0.5), (45.0, 1.0)] {
-        let solvers = [Solver::Ita{bits: 24, step: 3}, Solver::Ita{bits:24,step:4}, Solver::Finish{parts: 4}, Solver::Finish{parts: 8}, Solver::Finish{parts: 16}];
+    for (tilt, flatness) in [(15.0, 0.5), (30.0, 0.5)] {
+        let solvers = [Solver::Ita{bits: 24, step: 3}, Solver::Ita{bits:24,step:4}, Solver::Finish{parts: 8}, Solver::Finish{parts: 12}, Solver::Finish{parts: 16}];
         let mut wrong = [0; 5]; let mut missed = [0; 5]; let mut evals = [0u64; 5];
         let mut total = 0; let mut none=0; let mut roots=[0;8]; let mut outside_aim = 0;
         for _ in 0..1000 {
             let (p, n) = random.triangle(tilt, flatness);
             let patch = Patch::<f64>::new(p, n, PatchFlags::new(Surface::Smooth));
             if !matches!(patch.kind(), PatchKind::Curved | PatchKind::Fallback) { continue; }
-            for _ in 0..40 {
+            for _ in 0..200 {
                 let [u, v] = random.inside();
                 let target = patch.point(u, v);
                 // half of them grazing
                 let mut d = random.direction();
-                if random.unit() < 0.5 { d = (d - target.normal * (d.dot(target.normal) * random.between(0.8, 1.0))).normalize(); }
-                let r = ray::<f64>(target.position - d * 5.0, d);
+                if random.unit() < 0.0 { d = (d - target.normal * (d.dot(target.normal) * random.between(0.8, 1.0))).normalize(); }
+                let r = ray::<f64>(target.position + random.direction() * 0.3 - d * 5.0, d);
                 let seg = super::ray::Segment::clip(&patch, &r);
                 if !seg.alive { outside_aim += 1; continue; }
                 let f = |at: f64| { let z = seg.z(at); z - patch.height(&patch.foot_under(seg.projection(at), z)) };
