@@ -55,6 +55,12 @@ const MIN_DISCRIMINANT: f64 = 0.1;
 /// Largest share of the way to the median by which a guide on the side may lean over at the
 /// surface's height, before the guide field counts as folded.
 const MAX_FOLD: f64 = 0.7;
+/// Greatest bound on the height, in units of the patch's size, at which a triangle is still taken:
+/// beyond it the normals contradict the triangle, and its box would cover half the scene.
+const MAX_HEIGHT: f64 = 2.0;
+/// The same in units of the sides' greatest bend. The angular rule blows up on needles: a little
+/// angle away from a long side it adds much of the short side's curvature, all along the length.
+const MAX_HEIGHT_TO_BEND: f64 = 8.0;
 
 /// What bounds the heights that one vertex's sphere asks for.
 #[derive(Clone, Copy)]
@@ -70,10 +76,19 @@ struct VertexSpread<S> {
     reach: Range<S>,
 }
 
+/// Greatest curvature, in units of the longest side, at which the angular rule is taken: it takes
+/// the difference of two angles times this, and in `f32` the rest is rounding.
+const MAX_ANGULAR_CURVATURE: f64 = 30.0;
+
+/// Greatest slope between the middles of two sides.
+const MAX_SHEAR: f64 = 1.0;
+
 /// The ranges of everything the heights depend on.
 pub(super) struct Spread<S> {
     vertices: [VertexSpread<S>; 3],
     damping: Range<S>,
+    /// Whether the rule is well conditioned on a triangle of this shape.
+    conditioned: bool,
 }
 
 /// Bounds what each vertex's sphere asks for, under the patch's present rule.
@@ -83,7 +98,11 @@ pub(super) fn spread<S: Scalar>(patch: &Patch<S>) -> Spread<S> {
     // kappa_12 b1 b2 + kappa_23 b2 b3 + kappa_31 b3 b1 is at most a third of the greatest kappa.
     let least = (one - damping * S::from_f64(1.0 / 3.0)).greater(S::from_f64(MIN_DAMPING_FACTOR));
     let damping = Range { lo: least, hi: one };
-    Spread { vertices: [0, 1, 2].map(|i| vertex_spread(patch, i)), damping }
+    let length2 = patch.sides.iter().fold(zero, |most, side| most.greater(side.length2));
+    let most = S::from_f64(MAX_ANGULAR_CURVATURE);
+    let conditioned = patch.rule != Rule::Angular
+        || (0..3).all(|i| curvature_range(patch, i).max_abs() * length2 < most);
+    Spread { vertices: [0, 1, 2].map(|i| vertex_spread(patch, i)), damping, conditioned }
 }
 
 fn vertex_spread<S: Scalar>(patch: &Patch<S>, i: usize) -> VertexSpread<S> {
@@ -146,8 +165,7 @@ fn curvature_range<S: Scalar>(patch: &Patch<S>, i: usize) -> Range<S> {
     let half = S::from_f64(0.5);
     let (length_j, length_k) = (to_j.length2.sqrt(), to_k.length2.sqrt());
     let product = length_j * length_k;
-    let between = (to_j.length2 + to_k.length2 - patch.sides[j].length2) * half;
-    let (cosine, sine) = (between / product, patch.area2 / product);
+    let (cosine, sine) = (patch.vertices[i].between / product, patch.area2 / product);
     let mixed = (to_j.bend[0] + to_k.bend[1] - patch.mean_bend(j)) * half / product;
     let away_from_k = (mixed - at_k * cosine) / sine;
     let away_from_j = (mixed - at_j * cosine) / sine;
@@ -181,12 +199,48 @@ fn offset_coefficients<S: Scalar>(
         return ([near_j, near_k, across], [Range::zero(); 2]);
     }
     // C = c |d|^2 - 2 n.d with c anywhere between the two sides' curvatures.
-    let between =
-        (to_j.length2 + to_k.length2 - patch.sides[j].length2) * S::from_f64(0.5);
-    let across = curvature.scaled(between).plus(near_j).plus(near_k);
-    let corner_j = curvature.scaled(to_j.length2).plus(Range::of(-bend_j));
-    let corner_k = curvature.scaled(to_k.length2).plus(Range::of(-bend_k));
-    ([near_j, near_k, across], [corner_j, corner_k])
+    let between = patch.vertices[i].between;
+    let anywhere = (
+        [near_j, near_k, curvature.scaled(between).plus(near_j).plus(near_k)],
+        [
+            curvature.scaled(to_j.length2).plus(Range::of(-bend_j)),
+            curvature.scaled(to_k.length2).plus(Range::of(-bend_k)),
+        ],
+    );
+    let by_angle = by_angle(patch, i);
+    let width = |of: &([Range<S>; 3], [Range<S>; 2])| {
+        of.0[2].max_abs() + of.1[0].max_abs() + of.1[1].max_abs()
+    };
+    if width(&by_angle) < width(&anywhere) { by_angle } else { anywhere }
+}
+
+/// The same for the angular rule on thin triangles, where the direction to a point at the far end
+/// of a long side is all but that side's own.
+///
+/// With u the share of the angle, `u |d|^2 = b_j l_j |d| (theta' / theta) (sin theta / sin theta')`,
+/// which lies between `s b_j l_j (b_j l_j + b_k l_k cos theta)`, s being `sin theta / theta`, and
+/// `b_j l_j (b_j l_j + b_k l_k)`; likewise for `1 - u`.
+fn by_angle<S: Scalar>(
+    patch: &Patch<S>,
+    i: usize,
+) -> ([Range<S>; 3], [Range<S>; 2]) {
+    let k = next(next(i));
+    let (to_j, to_k) = (&patch.sides[i], &patch.sides[k]);
+    let between = patch.vertices[i].between;
+    let (bend_j, bend_k) = (to_j.bend[0], to_k.bend[1]);
+    let half = S::from_f64(0.5);
+    let product = (to_j.length2 * to_k.length2).sqrt();
+    let least = patch.area2 / product * patch.vertices[i].inverse_angle;
+    let share = Range { lo: (least * between).lesser(S::from_f64(0.0)), hi: product }.scaled(half);
+    let mixed = share
+        .scaled(bend_j / to_j.length2)
+        .plus(share.scaled(bend_k / to_k.length2))
+        .plus(Range::of(-(bend_j + bend_k) * half));
+    let corner = |bend: S| Range::between(bend * (least - S::from_f64(1.0)), S::from_f64(0.0));
+    (
+        [Range::of(-bend_j * half), Range::of(-bend_k * half), mixed],
+        [corner(bend_j), corner(bend_k)],
+    )
 }
 
 impl<S: Scalar> Spread<S> {
@@ -204,8 +258,18 @@ impl<S: Scalar> Spread<S> {
     /// a touch).
     pub fn reaches(&self) -> bool {
         let least = S::from_f64(MIN_REACH);
-        self.vertices.iter().all(|v| least < v.half_b.lo && v.reach.hi.is_finite())
+        self.conditioned
+            && self.vertices.iter().all(|v| least < v.half_b.lo && v.reach.hi.is_finite())
     }
+}
+
+/// Whether two sides bulge so differently, for how close they run, that the surface between them
+/// would stand like a wall: a needle with one straight side and one curved one.
+pub(super) fn shears<S: Scalar>(patch: &Patch<S>) -> bool {
+    let least = patch.sides.iter().fold(S::HUGE, |least, side| least.lesser(side.height));
+    // A side's middle is about an eighth of its mean bend off the plane.
+    let most = least * S::from_f64(8.0 * MAX_SHEAR);
+    (0..3).any(|k| !((patch.mean_bend(k) - patch.mean_bend(next(k))).abs() < most))
 }
 
 /// Whether the guides of some side lean over so far, at the surface's height, that they come near
@@ -283,6 +347,16 @@ impl<S: Scalar> HeightNet<S> {
 
     fn ranges(&self) -> impl Iterator<Item = Range<S>> + '_ {
         self.sides.iter().flatten().copied().chain([self.centre])
+    }
+
+    /// Whether the heights stay within what a triangle of this size, with sides that bend this
+    /// much, may stand for.
+    pub fn is_low(&self, patch: &Patch<S>) -> bool {
+        let hull = self.ranges().fold(Range::zero(), Range::hull);
+        let bends = patch.sides.iter().flat_map(|side| side.bend);
+        let bend = bends.fold(S::from_f64(0.0), |most, bend| most.greater(bend.abs()));
+        let most = (bend * S::from_f64(MAX_HEIGHT_TO_BEND)).lesser(S::from_f64(MAX_HEIGHT));
+        hull.max_abs().at_most(most)
     }
 
     /// Least and greatest height, with room for rounding.

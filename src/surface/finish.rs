@@ -2,7 +2,7 @@
 //! the roots, then a bracketing method.
 
 use super::ita::{Root, differ};
-use super::real::{Mask, Real, Scalar};
+use super::real::{Mask, Real};
 
 /// Most parts that a segment is sampled in.
 pub const MAX_PARTS: usize = 16;
@@ -210,14 +210,6 @@ fn next_share<V: Real>(a: V, b: V, c: V, fa: V, fb: V, fc: V) -> V {
     let by_b = divide(fa, fb - fa) * divide(fc, fb - fc);
     let by_c = divide(c - a, b - a) * divide(fa, fc - fa) * divide(fb, fc - fb);
     V::select(quadratic, by_b + by_c, half)
-}
-
-/// The tolerance at which a root along a segment is as good as the precision allows: `speed` is
-/// the direction's length in units of the patch, `start` the segment's place on the ray.
-#[inline(always)]
-pub(super) fn tolerance<V: Real>(speed: V, start: V) -> V {
-    let epsilon = V::splat(V::Scalar::EPSILON);
-    epsilon / speed + epsilon * V::constant(0.25) * start.abs()
 }
 
 #[cfg(test)]

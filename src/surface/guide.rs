@@ -8,6 +8,7 @@
 use super::dual::{at_least, capped, lesser};
 use super::patch::{Patch, Rule, Side, next};
 use super::real::{Jet, Mask, Real, Scalar};
+use super::vector::Vector;
 
 /// Which side's sub-triangle each lane is in.
 #[derive(Clone, Copy)]
@@ -139,6 +140,29 @@ impl<S: Scalar> Patch<S> {
             V::select(first, b_i, V::select(second, b_j, b_m))
         });
         Foot { b, lean: turn * choice.constant(|k| sides[k].lean), choice }
+    }
+
+    /// How far beside a foot's guide the point lies that it was found for, in units of the patch's
+    /// size: zero but for rounding, except where the point is so far off the surface that no guide
+    /// leads there.
+    #[inline(always)]
+    pub(super) fn strayed<V: Real<Scalar = S>>(
+        &self,
+        foot: &Foot<V, V>,
+        above: [V; 3],
+        z: V,
+    ) -> V {
+        let choice = foot.choice;
+        let out = foot.lean * z / choice.constant(|k| self.sides[k].height);
+        let back = out * choice.constant(|k| self.sides[k].foot);
+        // How the chosen side's first, second and opposite coordinate change along the guide.
+        let shift = [back - out, -back, out];
+        let missed = |v: usize| {
+            let roles = choice.pick([shift[v], shift[(v + 2) % 3], shift[(v + 1) % 3]]);
+            above[v] - foot.b[v] - roles
+        };
+        let [to_second, to_third] = self.spokes.map(Vector::<V>::splat);
+        (to_second * missed(1) + to_third * missed(2)).length()
     }
 
     /// The coordinate of the opposite vertex where the perpendicular at `along` meets the median.

@@ -90,6 +90,9 @@ pub(super) struct Vertex<S> {
     pub normal: S,
     /// Normal times each side's inward perpendicular.
     pub inward: [S; 3],
+    /// Scalar product of the two sides out of the vertex; on its own, since on thin triangles it
+    /// drowns in a difference of squared lengths.
+    pub between: S,
     /// One over the angle at the vertex, radians.
     pub inverse_angle: S,
 }
@@ -133,6 +136,11 @@ pub struct Patch<S> {
     pub(super) gradients: [Vector<S>; 3],
     pub(super) sides: [Side<S>; 3],
     pub(super) vertices: [Vertex<S>; 3],
+    /// The longest side: the frame in which rays are set up, because on a needle the gradients'
+    /// rounding would shift points along it.
+    pub(super) base: usize,
+    /// The longest side's edge over its squared length.
+    pub(super) along_base: Vector<S>,
     /// Twice the area.
     pub(super) area2: S,
     /// Least and greatest height of the surface over its plane.
@@ -273,7 +281,7 @@ impl<S: Scalar> Patch<S> {
             damping: zero,
             correction: [zero; 3],
         };
-        let vertex = Vertex { normal: zero, inward: [zero; 3], inverse_angle: zero };
+        let vertex = Vertex { normal: zero, inward: [zero; 3], between: zero, inverse_angle: zero };
         Self {
             origin,
             size: S::from_f64(1.0),
@@ -283,6 +291,8 @@ impl<S: Scalar> Patch<S> {
             gradients: [none; 3],
             sides: [side; 3],
             vertices: [vertex; 3],
+            base: 0,
+            along_base: none,
             area2: zero,
             slab: [zero; 2],
             rule: Rule::Flat,
@@ -296,6 +306,8 @@ impl<S: Scalar> Patch<S> {
         // The two shortest sides give the most certain vector product.
         let lengths = edges.map(|edge| edge.dot(edge));
         let longest = (0..3).fold(0, |best, k| if lengths[best] < lengths[k] { k } else { best });
+        self.base = longest;
+        self.along_base = edges[longest] * (S::from_f64(1.0) / lengths[longest]);
         let cross = edges[next(longest)].cross(edges[next(next(longest))]);
         self.area2 = cross.length();
         if !(S::from_f64(DEGENERATE_AREA) < self.area2) {
@@ -380,20 +392,24 @@ impl<S: Scalar> Patch<S> {
         Vertex {
             normal: normal.dot(self.normal),
             inward,
+            between,
             inverse_angle: S::from_f64(1.0) / Real::atan2(self.area2, between),
         }
     }
 
     /// Chooses the rule, adds the correction, and bounds the heights.
     fn curve(&mut self, flags: PatchFlags) -> Result<HeightNet<S>, FlatReason> {
-        let mut spread = bounds::spread(self);
-        if self.rule == Rule::Tensor && !spread.is_tame() && !flags.is_unchecked() {
-            self.rule = Rule::Angular;
-            self.kind = PatchKind::Fallback;
-            spread = bounds::spread(self);
+        if self.rule == Rule::Tensor && !flags.is_unchecked() {
+            let spread = bounds::spread(self);
+            if !(spread.is_tame() && HeightNet::new(self, &spread).is_low(self)) {
+                self.rule = Rule::Angular;
+                self.kind = PatchKind::Fallback;
+            }
         }
+        let spread = bounds::spread(self);
         if !flags.is_unchecked() {
-            if !spread.reaches() {
+            if !(spread.reaches() && HeightNet::new(self, &spread).is_low(self)) || bounds::shears(self)
+            {
                 return Err(FlatReason::Bend);
             }
             if bounds::folds(self) {
