@@ -1,1 +1,38 @@
 //! The spherical interpolation method: pure maths of one curved triangle, no Embree.
+//!
+//! Source: Gusiatin, Gusiatin, Mikhal, "Ray tracing synthesis of images of triangulated surfaces
+//! smoothed by the spherical interpolation method", 2018, doi 10.15587/1729-4061.2018.145531;
+//! equation numbers in this room are the paper's. A surface point over the plane point `rp` is
+//! `r = rp + g h` (1), with the guide vector `g` scaled so that its part along the plane's normal
+//! is 1, and `h` the mean of the guide's parameters on the spheres of the three vertices (33).
+//!
+//! Everything is written once over [`Scalar`], [`Real`] and [`Jet`]: `f64` is the oracle for
+//! `f32`, and tangents come from the same source by [`Dual`] numbers.
+
+mod bounds;
+mod correction;
+mod dual;
+mod finish;
+mod flags;
+mod guide;
+mod height;
+mod hit;
+mod ita;
+mod patch;
+mod point;
+mod ray;
+mod real;
+mod vector;
+
+#[cfg(test)]
+mod tests;
+
+pub use dual::Dual;
+pub use finish::MAX_PARTS;
+pub use flags::{PatchFlags, Surface};
+pub use hit::{Hit, Solver};
+pub use patch::{FlatReason, Patch, PatchKind, PatchRecord};
+pub use point::SurfacePoint;
+pub use ray::Ray;
+pub use real::{Jet, Mask, Real, Scalar};
+pub use vector::{Vector, vector};

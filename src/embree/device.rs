@@ -1,0 +1,299 @@
+//! The device: Embree itself, with its settings, threads and memory.
+
+use std::ffi::{CString, c_void};
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicI64, Ordering};
+
+use super::error::{Error, ErrorCode, keep_error};
+use super::sys::{self, RTCDeviceProperty, embree};
+
+/// An Embree device. Clones are cheap and share one device, which lives as long as any of them or
+/// anything made with them.
+#[derive(Clone)]
+pub struct Device(Arc<Shared>);
+
+struct Shared {
+    handle: sys::RTCDevice,
+    // in an allocation of its own: Embree keeps its address, also while the device is released
+    memory: Box<MemoryCounters>,
+    ray_masks: bool,
+    limited_to: Option<String>,
+}
+
+// SAFETY: an RTCDevice is reference counted and may be used from any thread.
+unsafe impl Send for Shared {}
+// SAFETY: as above; Embree locks what its functions on a device change.
+unsafe impl Sync for Shared {}
+
+/// Bytes that Embree holds for a device: its trees and its own buffers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Memory {
+    /// Bytes held now.
+    pub current: u64,
+    /// The most bytes held at any time since the device was made.
+    pub peak: u64,
+}
+
+#[derive(Default)]
+struct MemoryCounters {
+    current: AtomicI64,
+    peak: AtomicI64,
+}
+
+/// A version of Embree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Version {
+    /// As the 4 in 4.3.0.
+    pub major: u32,
+    /// As the 3 in 4.3.0.
+    pub minor: u32,
+    /// As the 0 in 4.3.0.
+    pub patch: u32,
+}
+
+impl Version {
+    /// The first version whose hits carry `instPrimID`, and are larger for it.
+    const LARGER_HIT: Self = Self {
+        major: 4,
+        minor: 3,
+        patch: 0,
+    };
+
+    fn from_number(number: u32) -> Self {
+        Self {
+            major: number / 10000,
+            minor: number / 100 % 100,
+            patch: number % 100,
+        }
+    }
+
+    /// Whether a library of this version can be called with the other version's structures.
+    fn fits(self, headers: Self) -> bool {
+        self.major == headers.major && (self >= Self::LARGER_HIT) == (headers >= Self::LARGER_HIT)
+    }
+}
+
+impl fmt::Display for Version {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}.{}.{}", self.major, self.minor, self.patch)
+    }
+}
+
+impl Device {
+    /// A device with Embree's own settings.
+    ///
+    /// # Errors
+    /// If Embree does not run on this processor, or its version is not the one this program was built
+    /// for.
+    pub fn new() -> Result<Self, Error> {
+        Self::with_config("")
+    }
+
+    /// A device with settings in Embree's own notation, as in `"threads=4,isa=avx2"`. Embree ignores
+    /// settings it does not know.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and if the settings hold a NUL character or Embree refuses them.
+    pub fn with_config(config: &str) -> Result<Self, Error> {
+        let text = CString::new(config).map_err(|_| Error::Configuration(config.to_owned()))?;
+        // SAFETY: the string is NUL-terminated and outlives the call.
+        let handle = unsafe { embree!(new_device(text.as_ptr())) };
+        if handle.is_null() {
+            // SAFETY: a null device asks for the error of the device that could not be made.
+            let code = unsafe { embree!(get_device_error(handle)) };
+            return Err(Error::Embree {
+                doing: "make a device",
+                code: ErrorCode::from_embree(code).unwrap_or(ErrorCode::Unknown),
+                message: String::new(),
+            });
+        }
+        let mut shared = Shared {
+            handle,
+            memory: Box::default(),
+            ray_masks: false,
+            limited_to: limited_isa(config),
+        };
+        let device = {
+            // SAFETY: the function is of the type asked for; it does not use its pointer.
+            unsafe {
+                embree!(set_device_error_function(
+                    handle,
+                    Some(keep_error),
+                    std::ptr::null_mut()
+                ))
+            };
+            shared.ray_masks =
+                shared.property(RTCDeviceProperty::RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) != 0;
+            let counters: *const MemoryCounters = &*shared.memory;
+            // SAFETY: the counters outlive the device: `Shared` releases it before it drops them.
+            unsafe {
+                embree!(set_device_memory_monitor(
+                    handle,
+                    Some(count_memory),
+                    counters.cast_mut().cast::<c_void>()
+                ))
+            };
+            Self(Arc::new(shared))
+        };
+        device.check_version()?;
+        Ok(device)
+    }
+
+    fn check_version(&self) -> Result<(), Error> {
+        // SAFETY: a plain function of the shim.
+        let built = Version::from_number(unsafe { sys::curvetri_headers_version() });
+        let running = self.version();
+        if running.fits(built) {
+            Ok(())
+        } else {
+            Err(Error::Version { built, running })
+        }
+    }
+
+    /// The version of the library in use.
+    pub fn version(&self) -> Version {
+        let number = self
+            .0
+            .property(RTCDeviceProperty::RTC_DEVICE_PROPERTY_VERSION);
+        Version::from_number(u32::try_from(number).unwrap_or(0))
+    }
+
+    /// The instruction set that Embree's kernels use here, as in "AVX-512" or "SSE2", for people to
+    /// read. Embree only tells the width of its packets: AVX2 is told from AVX by the processor.
+    pub fn isa(&self) -> String {
+        if let Some(isa) = &self.0.limited_to {
+            return isa.clone();
+        }
+        match self.native_width() {
+            16 => "AVX-512".to_owned(),
+            8 if has_avx2() => "AVX2".to_owned(),
+            8 => "AVX".to_owned(),
+            4 if cfg!(target_arch = "aarch64") => "NEON".to_owned(),
+            4 if has_sse42() => "SSE4.2".to_owned(),
+            4 => "SSE2".to_owned(),
+            _ => "single rays only".to_owned(),
+        }
+    }
+
+    /// The widest packet (16, 8, 4 or 1 rays) that Embree traces as one on this processor; wider ones
+    /// are split.
+    pub fn native_width(&self) -> usize {
+        let widths = [
+            (
+                16,
+                RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED,
+            ),
+            (
+                8,
+                RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED,
+            ),
+            (
+                4,
+                RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED,
+            ),
+        ];
+        widths
+            .iter()
+            .find(|(_, property)| self.0.property(*property) != 0)
+            .map_or(1, |found| found.0)
+    }
+
+    /// Bytes that Embree holds for this device now, and the most it held.
+    pub fn memory(&self) -> Memory {
+        let read = |counter: &AtomicI64| counter.load(Ordering::Relaxed).max(0).unsigned_abs();
+        let current = read(&self.0.memory.current);
+        Memory {
+            current,
+            peak: read(&self.0.memory.peak).max(current),
+        }
+    }
+
+    /// Whether Embree itself compares the masks of rays and geometries; where it was built without,
+    /// user geometries compare them here, and triangles are seen by every ray.
+    pub fn tests_ray_masks(&self) -> bool {
+        self.0.ray_masks
+    }
+
+    pub(super) fn handle(&self) -> sys::RTCDevice {
+        self.0.handle
+    }
+
+    pub(super) fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl fmt::Debug for Device {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            formatter,
+            "Device(Embree {}, {})",
+            self.version(),
+            self.isa()
+        )
+    }
+}
+
+impl Shared {
+    fn property(&self, property: RTCDeviceProperty) -> isize {
+        // SAFETY: the handle is a live device.
+        unsafe { embree!(get_device_property(self.handle, property)) }
+    }
+}
+
+impl Drop for Shared {
+    fn drop(&mut self) {
+        // SAFETY: the handle is a live device, not used after this; everything made with it holds a
+        // clone of this and so is gone.
+        unsafe { embree!(release_device(self.handle)) };
+    }
+}
+
+/// The memory monitor: counts, and lets every allocation happen.
+unsafe extern "C" fn count_memory(user: *mut c_void, bytes: isize, _post: bool) -> bool {
+    // SAFETY: the pointer is that of the device's counters, which outlive the device.
+    let counters = unsafe { &*user.cast::<MemoryCounters>() };
+    let bytes = bytes as i64;
+    let current = counters.current.fetch_add(bytes, Ordering::Relaxed) + bytes;
+    counters.peak.fetch_max(current, Ordering::Relaxed);
+    true
+}
+
+/// The instruction set that a device's settings limit it to, in the way [`Device::isa`] writes it.
+fn limited_isa(config: &str) -> Option<String> {
+    let isa = config
+        .split(',')
+        .filter_map(|setting| setting.split_once('='))
+        .find_map(|(name, value)| {
+            (name.trim() == "isa").then(|| value.trim().to_ascii_lowercase())
+        })?;
+    Some(match isa.as_str() {
+        "sse2" => "SSE2".to_owned(),
+        "sse4.2" | "sse42" => "SSE4.2".to_owned(),
+        "avx" => "AVX".to_owned(),
+        "avx2" => "AVX2".to_owned(),
+        "avx512" => "AVX-512".to_owned(),
+        _ => return None,
+    })
+}
+
+#[cfg(target_arch = "x86_64")]
+fn has_avx2() -> bool {
+    std::arch::is_x86_feature_detected!("avx2")
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn has_avx2() -> bool {
+    false
+}
+
+#[cfg(target_arch = "x86_64")]
+fn has_sse42() -> bool {
+    std::arch::is_x86_feature_detected!("sse4.2")
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn has_sse42() -> bool {
+    false
+}

@@ -1,0 +1,177 @@
+//! Embree's errors as Rust errors.
+
+use std::cell::RefCell;
+use std::ffi::{CStr, c_char, c_void};
+use std::fmt;
+
+use super::device::Version;
+use super::sys;
+
+/// What Embree or this wrapper over it refuses.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Embree reported an error.
+    #[error("Embree cannot {doing}: {}", described(*.code, .message))]
+    Embree {
+        /// What it was asked to do, as in "commit the scene".
+        doing: &'static str,
+        /// Its error code.
+        code: ErrorCode,
+        /// Its message; may be empty.
+        message: String,
+    },
+    /// The Embree library in use does not fit the headers this program was built with.
+    #[error(
+        "this program was built for Embree {built} but runs with Embree {running}: build it again, \
+         or run it with the library it was built for"
+    )]
+    Version {
+        /// The headers' version.
+        built: Version,
+        /// The library's version.
+        running: Version,
+    },
+    /// The device's configuration holds a NUL character.
+    #[error("the device's configuration {0:?} holds a NUL character")]
+    Configuration(String),
+    /// A triangle names a vertex that does not exist.
+    #[error("triangle {triangle} names vertex {index}, but there are {vertices} vertices")]
+    Index {
+        /// The triangle's number, from 0.
+        triangle: usize,
+        /// The index it holds.
+        index: u32,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// More elements than Embree can number.
+    #[error("{count} {what} are more than Embree takes ({limit})")]
+    TooMany {
+        /// Of what, as in "triangles".
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many there may be.
+        limit: usize,
+    },
+    /// A geometry has no or more than 129 time steps.
+    #[error("a geometry has 1 to {limit} time steps, not {0}", limit = sys::RTC_MAX_TIME_STEP_COUNT)]
+    TimeSteps(u32),
+    /// A geometry, scene or instance belongs to another device.
+    #[error("the {0} belongs to another Embree device")]
+    OtherDevice(&'static str),
+    /// Instances are nested deeper than the library was built for.
+    #[error(
+        "instances nested {depth} deep: this Embree was built for {}",
+        sys::RTC_MAX_INSTANCE_LEVEL_COUNT
+    )]
+    Nesting {
+        /// How deep they would be nested.
+        depth: usize,
+    },
+    /// An instance's transform is not finite, cannot be inverted, or would put its scene out of the
+    /// range of Embree's arithmetic.
+    #[error("the instance's transform is not finite, not invertible or out of range: {0}")]
+    Transform(String),
+}
+
+fn described(code: ErrorCode, message: &str) -> String {
+    if message.is_empty() {
+        code.to_string()
+    } else {
+        format!("{message} ({code})")
+    }
+}
+
+/// Embree's error codes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ErrorCode {
+    /// An error of no other kind.
+    Unknown,
+    /// An argument is wrong.
+    InvalidArgument,
+    /// The operation is not allowed in this state.
+    InvalidOperation,
+    /// There is not enough memory.
+    OutOfMemory,
+    /// The processor lacks what Embree needs (SSE2 at least).
+    UnsupportedCpu,
+    /// The user cancelled it.
+    Cancelled,
+    /// A code this crate does not know, of a newer Embree.
+    Other(u32),
+}
+
+impl fmt::Display for ErrorCode {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown => formatter.write_str("unknown error"),
+            Self::InvalidArgument => formatter.write_str("invalid argument"),
+            Self::InvalidOperation => formatter.write_str("invalid operation"),
+            Self::OutOfMemory => formatter.write_str("out of memory"),
+            Self::UnsupportedCpu => formatter.write_str("unsupported processor"),
+            Self::Cancelled => formatter.write_str("cancelled"),
+            Self::Other(code) => write!(formatter, "error code {code}"),
+        }
+    }
+}
+
+impl ErrorCode {
+    /// `None` for "no error".
+    pub(super) fn from_embree(code: sys::RTCError) -> Option<Self> {
+        Some(match code {
+            sys::RTCError::RTC_ERROR_NONE => return None,
+            sys::RTCError::RTC_ERROR_UNKNOWN => Self::Unknown,
+            sys::RTCError::RTC_ERROR_INVALID_ARGUMENT => Self::InvalidArgument,
+            sys::RTCError::RTC_ERROR_INVALID_OPERATION => Self::InvalidOperation,
+            sys::RTCError::RTC_ERROR_OUT_OF_MEMORY => Self::OutOfMemory,
+            sys::RTCError::RTC_ERROR_UNSUPPORTED_CPU => Self::UnsupportedCpu,
+            sys::RTCError::RTC_ERROR_CANCELLED => Self::Cancelled,
+            other => Self::Other(other.0),
+        })
+    }
+}
+
+thread_local! {
+    // Embree reports an error on the thread whose call failed, so each thread keeps its own: an
+    // error never reaches another thread's call on the same device.
+    static REPORTED: RefCell<Option<(ErrorCode, String)>> = const { RefCell::new(None) };
+}
+
+/// The device's error function: keeps the first error until [`attempt`] asks for it.
+pub(super) unsafe extern "C" fn keep_error(
+    _user: *mut c_void,
+    code: sys::RTCError,
+    message: *const c_char,
+) {
+    let message = if message.is_null() {
+        String::new()
+    } else {
+        // SAFETY: Embree passes a NUL-terminated string that lives for the call.
+        unsafe { CStr::from_ptr(message) }
+            .to_string_lossy()
+            .into_owned()
+    };
+    if let Some(code) = ErrorCode::from_embree(code) {
+        // a thread that is ending has no room left to keep an error, nor anybody to ask for it
+        let _ = REPORTED.try_with(|kept| {
+            kept.borrow_mut().get_or_insert((code, message));
+        });
+    }
+}
+
+/// Runs calls to Embree and returns the first error they reported on this thread.
+pub(super) fn attempt<T>(doing: &'static str, calls: impl FnOnce() -> T) -> Result<T, Error> {
+    REPORTED.take();
+    let result = calls();
+    match REPORTED.take() {
+        None => Ok(result),
+        Some((code, message)) => Err(Error::Embree {
+            doing,
+            code,
+            message,
+        }),
+    }
+}

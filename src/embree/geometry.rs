@@ -1,0 +1,352 @@
+//! Geometries: what a scene is made of.
+
+use std::ffi::c_void;
+use std::fmt;
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::device::Device;
+use super::error::{Error, attempt};
+use super::filter::{self, Filter};
+use super::query::BuildPanics;
+use super::scene::Scene;
+use super::sys::{self, RTCBufferType, RTCFormat, RTCGeometryType, embree};
+use super::user::{self, UserGeometry};
+
+/// A committed geometry, to be attached to scenes. Clones are cheap and share it.
+#[derive(Clone)]
+pub struct Geometry(Arc<Shared>);
+
+/// A geometry in the making; it ends with [`commit`](Self::commit).
+pub struct GeometryBuilder {
+    shared: Shared,
+    quality: BuildQuality,
+}
+
+pub(super) struct Shared {
+    handle: sys::RTCGeometry,
+    // in an allocation of its own: it is the geometry's user pointer
+    callbacks: Box<Callbacks>,
+    instanced: Option<Scene>,
+    device: Device,
+}
+
+// SAFETY: an RTCGeometry is reference counted; once committed it is not changed any more, and all that
+// its callbacks reach is `Send + Sync`.
+unsafe impl Send for Shared {}
+// SAFETY: as above.
+unsafe impl Sync for Shared {}
+
+/// What a geometry's callbacks need, behind its user pointer.
+pub(super) struct Callbacks {
+    shape: Option<Arc<dyn UserGeometry>>,
+    pub(super) intersect_filter: Option<Box<Filter<'static>>>,
+    pub(super) occluded_filter: Option<Box<Filter<'static>>>,
+    /// Panics of the bounds callback.
+    pub(super) build_panics: BuildPanics,
+    /// To be compared with the rays' here, if Embree does not do it.
+    mask: Option<u32>,
+}
+
+/// How much work goes into a tree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BuildQuality {
+    /// Fast to build, slower to trace.
+    Low,
+    /// Embree's default.
+    #[default]
+    Medium,
+    /// Slower to build, faster to trace; splits primitives.
+    High,
+}
+
+impl BuildQuality {
+    pub(super) fn to_embree(self) -> sys::RTCBuildQuality {
+        match self {
+            Self::Low => sys::RTCBuildQuality::RTC_BUILD_QUALITY_LOW,
+            Self::Medium => sys::RTCBuildQuality::RTC_BUILD_QUALITY_MEDIUM,
+            Self::High => sys::RTCBuildQuality::RTC_BUILD_QUALITY_HIGH,
+        }
+    }
+}
+
+impl Geometry {
+    /// A geometry whose primitives Rust code bounds and intersects.
+    ///
+    /// # Errors
+    /// If its number of time steps is not 1 to 129, or Embree cannot make it.
+    pub fn user(device: &Device, shape: Arc<dyn UserGeometry>) -> Result<GeometryBuilder, Error> {
+        let (primitives, time_steps) = (shape.primitives(), shape.time_steps());
+        if !(1..=sys::RTC_MAX_TIME_STEP_COUNT).contains(&time_steps) {
+            return Err(Error::TimeSteps(time_steps));
+        }
+        let builder =
+            GeometryBuilder::new(device, RTCGeometryType::RTC_GEOMETRY_TYPE_USER, Some(shape))?;
+        let handle = builder.shared.handle;
+        let user = builder.shared.user_pointer();
+        // SAFETY: the handle is a live user geometry; the callbacks behind the user pointer outlive it.
+        attempt("make a user geometry", || unsafe {
+            embree!(set_geometry_primitive_count(handle, primitives));
+            embree!(set_geometry_time_step_count(handle, time_steps));
+            embree!(set_geometry_bounds_function(
+                handle,
+                Some(user::bounds),
+                user
+            ));
+            embree!(set_geometry_intersect_function(
+                handle,
+                Some(user::intersect)
+            ));
+            embree!(set_geometry_occluded_function(handle, Some(user::occluded)));
+        })?;
+        Ok(builder)
+    }
+
+    /// Embree's own flat triangles, from copies of the vertices and of three vertex numbers a
+    /// triangle. Hits have u and v of the second and the third vertex, and a normal that is the cross
+    /// product of two sides.
+    ///
+    /// # Errors
+    /// If a triangle names a vertex that does not exist, there are more than Embree can number, or
+    /// there is not enough memory.
+    pub fn triangles(
+        device: &Device,
+        positions: &[Vec3],
+        indices: &[[u32; 3]],
+    ) -> Result<GeometryBuilder, Error> {
+        let limit = u32::MAX as usize - 1;
+        for (what, count) in [("vertices", positions.len()), ("triangles", indices.len())] {
+            if count > limit {
+                return Err(Error::TooMany { what, count, limit });
+            }
+        }
+        for (triangle, corners) in indices.iter().enumerate() {
+            if let Some(&index) = corners
+                .iter()
+                .find(|index| **index as usize >= positions.len())
+            {
+                return Err(Error::Index {
+                    triangle,
+                    index,
+                    vertices: positions.len(),
+                });
+            }
+        }
+        let builder =
+            GeometryBuilder::new(device, RTCGeometryType::RTC_GEOMETRY_TYPE_TRIANGLE, None)?;
+        let positions: &[[f32; 3]] = &positions.iter().map(Vec3::to_array).collect::<Vec<_>>();
+        builder.fill(
+            RTCBufferType::RTC_BUFFER_TYPE_VERTEX,
+            RTCFormat::RTC_FORMAT_FLOAT3,
+            positions,
+        )?;
+        builder.fill(
+            RTCBufferType::RTC_BUFFER_TYPE_INDEX,
+            RTCFormat::RTC_FORMAT_UINT3,
+            indices,
+        )?;
+        Ok(builder)
+    }
+
+    pub(super) fn handle(&self) -> sys::RTCGeometry {
+        self.0.handle
+    }
+
+    /// The device it was made with.
+    pub fn device(&self) -> &Device {
+        &self.0.device
+    }
+
+    /// The scene it is an instance of.
+    pub fn instanced_scene(&self) -> Option<&Scene> {
+        self.0.instanced.as_ref()
+    }
+
+    pub(super) fn build_panics(&self) -> &BuildPanics {
+        &self.0.callbacks.build_panics
+    }
+}
+
+impl fmt::Debug for Geometry {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kind = match (&self.0.callbacks.shape, &self.0.instanced) {
+            (Some(_), _) => "user",
+            (None, Some(_)) => "instance",
+            (None, None) => "triangles",
+        };
+        write!(formatter, "Geometry({kind})")
+    }
+}
+
+impl GeometryBuilder {
+    fn new(
+        device: &Device,
+        kind: RTCGeometryType,
+        shape: Option<Arc<dyn UserGeometry>>,
+    ) -> Result<Self, Error> {
+        // SAFETY: the device is live.
+        let handle = attempt("make a geometry", || unsafe {
+            embree!(new_geometry(device.handle(), kind))
+        })?;
+        let callbacks = Callbacks {
+            shape,
+            intersect_filter: None,
+            occluded_filter: None,
+            build_panics: BuildPanics::default(),
+            mask: None,
+        };
+        let callbacks = Box::new(callbacks);
+        let shared = Shared {
+            handle,
+            callbacks,
+            instanced: None,
+            device: device.clone(),
+        };
+        // SAFETY: the handle is live; the callbacks outlive it.
+        unsafe { embree!(set_geometry_user_data(handle, shared.user_pointer())) };
+        // the versions' defaults differ
+        Ok(Self {
+            shared,
+            quality: BuildQuality::Medium,
+        }
+        .mask(!0))
+    }
+
+    /// The mask that a ray's must have a bit in common with to see this geometry; all bits if never
+    /// set, in every version of Embree.
+    pub fn mask(mut self, mask: u32) -> Self {
+        // SAFETY: the handle is a live geometry.
+        unsafe { embree!(set_geometry_mask(self.shared.handle, mask)) };
+        self.shared.callbacks.mask = (!self.shared.device.tests_ray_masks()).then_some(mask);
+        self
+    }
+
+    /// How much work goes into its tree.
+    pub fn build_quality(mut self, quality: BuildQuality) -> Self {
+        self.quality = quality;
+        self
+    }
+
+    /// A filter for the hits of [`Scene::intersect`]. It may be called from several threads at once,
+    /// and several times for one hit.
+    pub fn intersect_filter(
+        mut self,
+        filter: impl Fn(&filter::Candidate) -> bool + Send + Sync + 'static,
+    ) -> Self {
+        self.shared.callbacks.intersect_filter = Some(Box::new(filter));
+        // SAFETY: the handle is a live geometry, whose user pointer is that of its callbacks.
+        unsafe {
+            embree!(set_geometry_intersect_filter(
+                self.shared.handle,
+                Some(filter::intersect_filter)
+            ))
+        };
+        self
+    }
+
+    /// A filter for the hits of [`Scene::occluded`], as [`intersect_filter`](Self::intersect_filter).
+    pub fn occluded_filter(
+        mut self,
+        filter: impl Fn(&filter::Candidate) -> bool + Send + Sync + 'static,
+    ) -> Self {
+        self.shared.callbacks.occluded_filter = Some(Box::new(filter));
+        // SAFETY: the handle is a live geometry, whose user pointer is that of its callbacks.
+        unsafe {
+            embree!(set_geometry_occluded_filter(
+                self.shared.handle,
+                Some(filter::occluded_filter)
+            ))
+        };
+        self
+    }
+
+    /// The geometry, not to be changed any more.
+    ///
+    /// # Errors
+    /// If Embree refuses it.
+    pub fn commit(self) -> Result<Geometry, Error> {
+        let handle = self.shared.handle;
+        // SAFETY: the handle is a live geometry.
+        attempt("commit a geometry", || unsafe {
+            embree!(set_geometry_build_quality(handle, self.quality.to_embree()));
+            embree!(commit_geometry(handle));
+        })?;
+        Ok(Geometry(Arc::new(self.shared)))
+    }
+
+    /// Copies items into a buffer that Embree allocates, with the padding its loads need.
+    fn fill<T: Copy>(
+        &self,
+        kind: RTCBufferType,
+        format: RTCFormat,
+        items: &[[T; 3]],
+    ) -> Result<(), Error> {
+        let stride = size_of::<[T; 3]>();
+        let handle = self.shared.handle;
+        // SAFETY: the handle is a live triangle geometry.
+        let buffer = attempt("allocate a buffer", || unsafe {
+            embree!(set_new_geometry_buffer(
+                handle,
+                kind,
+                0,
+                format,
+                stride,
+                items.len()
+            ))
+        })?;
+        if !items.is_empty() {
+            // SAFETY: without an error Embree returns a buffer of that many items of that size,
+            // aligned to 16 bytes.
+            unsafe {
+                std::ptr::copy_nonoverlapping(items.as_ptr(), buffer.cast::<[T; 3]>(), items.len())
+            };
+        }
+        Ok(())
+    }
+}
+
+impl Shared {
+    fn user_pointer(&self) -> *mut c_void {
+        std::ptr::from_ref::<Callbacks>(&self.callbacks)
+            .cast_mut()
+            .cast()
+    }
+}
+
+impl Drop for Shared {
+    fn drop(&mut self) {
+        // SAFETY: the handle is live and not used after this; a scene that also holds it holds a clone
+        // of this, so Embree's geometry ends here, before its callbacks.
+        unsafe { embree!(release_geometry(self.handle)) };
+    }
+}
+
+impl Callbacks {
+    /// The user geometry behind the callbacks.
+    pub(super) fn shape(&self) -> &dyn UserGeometry {
+        self.shape
+            .as_deref()
+            .expect("only user geometries have these callbacks")
+    }
+
+    /// Whether the geometry has a filter of its own.
+    pub(super) fn filtered(&self) -> bool {
+        self.intersect_filter.is_some() || self.occluded_filter.is_some()
+    }
+
+    /// Those of the lanes whose rays see the geometry.
+    ///
+    /// # Safety
+    /// `rays` is a ray packet of `width` lanes.
+    pub(super) unsafe fn seen(&self, rays: *const f32, width: usize, lanes: u32) -> u32 {
+        let Some(mask) = self.mask else {
+            return lanes; // Embree has compared them
+        };
+        (0..width)
+            .filter(|lane| lanes & 1 << lane != 0)
+            // SAFETY: as the caller promises.
+            .filter(|lane| unsafe { filter::read_ray(rays, width, *lane) }.mask & mask != 0)
+            .fold(0, |seen, lane| seen | 1 << lane)
+    }
+}

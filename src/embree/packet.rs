@@ -1,0 +1,379 @@
+//! Packets of 1, 4, 8 or 16 rays with their hits, in Embree's layout.
+
+use std::mem::{offset_of, size_of};
+
+use glam::Vec3;
+
+use super::ray::{Hit, LARGEST_COMPONENT, Ray};
+use super::sys::{self, INVALID_ID, LEVELS};
+
+/// Names a packet's width in bounds: `Width<N>: Traced` holds for 1, 4, 8 and 16.
+pub struct Width<const N: usize>;
+
+/// The widths Embree traces.
+pub trait Traced: sealed::Sealed {}
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for super::Width<1> {}
+    impl Sealed for super::Width<4> {}
+    impl Sealed for super::Width<8> {}
+    impl Sealed for super::Width<16> {}
+}
+
+impl Traced for Width<1> {}
+impl Traced for Width<4> {}
+impl Traced for Width<8> {}
+impl Traced for Width<16> {}
+
+/// A packet of `N` rays (1, 4, 8 or 16) with room for their hits.
+///
+/// Lanes begin empty: an empty lane is not traced, and nothing of it is changed. The fields are
+/// Embree's own arrays, aligned for every width, so that they can be filled and read lane by lane or
+/// many at a time.
+#[derive(Clone)]
+#[repr(C, align(64))]
+pub struct RayPacket<const N: usize> {
+    /// The rays. A query shortens `tfar` to the hit, or sets it to -infinity where a ray is occluded.
+    pub rays: Rays<N>,
+    /// The hits of the last [`intersect`](super::Scene::intersect). Also there for occlusion queries:
+    /// Embree 4 writes to it in those too where the processor lacks the packet's width.
+    pub hits: Hits<N>,
+    active: Active,
+}
+
+/// One bit a lane. Aligned so that it lies behind the padding of Embree's own structs.
+#[derive(Clone, Copy)]
+#[repr(C, align(32))]
+struct Active(u32);
+
+/// The rays of a packet, component by component.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct Rays<const N: usize> {
+    /// Origins' x.
+    pub org_x: [f32; N],
+    /// Origins' y.
+    pub org_y: [f32; N],
+    /// Origins' z.
+    pub org_z: [f32; N],
+    /// Where the rays begin.
+    pub tnear: [f32; N],
+    /// Directions' x.
+    pub dir_x: [f32; N],
+    /// Directions' y.
+    pub dir_y: [f32; N],
+    /// Directions' z.
+    pub dir_z: [f32; N],
+    /// Times in [0, 1].
+    pub time: [f32; N],
+    /// Where the rays end; after a query where they hit.
+    pub tfar: [f32; N],
+    /// Ray masks.
+    pub mask: [u32; N],
+    /// The caller's own numbers.
+    pub id: [u32; N],
+    /// For Embree's use; 0.
+    pub flags: [u32; N],
+}
+
+/// The hits of a packet, component by component; undefined in lanes that missed, but for `geom_id`.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub struct Hits<const N: usize> {
+    /// Normals' x.
+    pub ng_x: [f32; N],
+    /// Normals' y.
+    pub ng_y: [f32; N],
+    /// Normals' z.
+    pub ng_z: [f32; N],
+    /// First parameters.
+    pub u: [f32; N],
+    /// Second parameters.
+    pub v: [f32; N],
+    /// The primitives' numbers.
+    pub prim_id: [u32; N],
+    /// The geometries' numbers; [`Hit::NONE`] for a miss.
+    pub geom_id: [u32; N],
+    /// The instances' numbers by level.
+    pub inst_id: [[u32; N]; LEVELS],
+    #[cfg(inst_prim_id)]
+    inst_prim_id: [[u32; N]; LEVELS],
+}
+
+macro_rules! fits_embree {
+    ($width:literal, $ray:ident, $hit:ident, $rayhit:ident) => {
+        const _: () = {
+            assert!(size_of::<Rays<$width>>() == size_of::<sys::$ray>());
+            assert!(align_of::<RayPacket<$width>>() >= align_of::<sys::$rayhit>());
+            assert!(offset_of!(RayPacket<$width>, active) >= size_of::<sys::$rayhit>());
+            assert!(offset_of!(RayPacket<$width>, hits) == offset_of!(sys::$rayhit, hit));
+            assert!(offset_of!(Rays<$width>, tnear) == offset_of!(sys::$ray, tnear));
+            assert!(offset_of!(Rays<$width>, dir_x) == offset_of!(sys::$ray, dir_x));
+            assert!(offset_of!(Rays<$width>, tfar) == offset_of!(sys::$ray, tfar));
+            assert!(offset_of!(Rays<$width>, flags) == offset_of!(sys::$ray, flags));
+            assert!(offset_of!(Hits<$width>, ng_x) == offset_of!(sys::$hit, Ng_x));
+            assert!(offset_of!(Hits<$width>, u) == offset_of!(sys::$hit, u));
+            assert!(offset_of!(Hits<$width>, geom_id) == offset_of!(sys::$hit, geomID));
+            assert!(offset_of!(Hits<$width>, inst_id) == offset_of!(sys::$hit, instID));
+            #[cfg(inst_prim_id)]
+            assert!(offset_of!(Hits<$width>, inst_prim_id) == offset_of!(sys::$hit, instPrimID));
+        };
+    };
+}
+fits_embree!(1, RTCRay, RTCHit, RTCRayHit);
+fits_embree!(4, RTCRay4, RTCHit4, RTCRayHit4);
+fits_embree!(8, RTCRay8, RTCHit8, RTCRayHit8);
+fits_embree!(16, RTCRay16, RTCHit16, RTCRayHit16);
+
+impl<const N: usize> Default for RayPacket<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const N: usize> RayPacket<N> {
+    /// A packet of empty lanes.
+    pub const fn new() -> Self {
+        let rays = Rays {
+            org_x: [0.0; N],
+            org_y: [0.0; N],
+            org_z: [0.0; N],
+            tnear: [f32::INFINITY; N],
+            dir_x: [0.0; N],
+            dir_y: [0.0; N],
+            dir_z: [0.0; N],
+            time: [0.0; N],
+            tfar: [f32::NEG_INFINITY; N],
+            mask: [0; N],
+            id: [0; N],
+            flags: [0; N],
+        };
+        let hits = Hits {
+            ng_x: [0.0; N],
+            ng_y: [0.0; N],
+            ng_z: [0.0; N],
+            u: [0.0; N],
+            v: [0.0; N],
+            prim_id: [INVALID_ID; N],
+            geom_id: [INVALID_ID; N],
+            inst_id: [[INVALID_ID; N]; LEVELS],
+            #[cfg(inst_prim_id)]
+            inst_prim_id: [[INVALID_ID; N]; LEVELS],
+        };
+        Self {
+            rays,
+            hits,
+            active: Active(0),
+        }
+    }
+
+    /// A packet of the first `N` of some rays; lanes without one stay empty.
+    pub fn from_rays<'a>(rays: impl IntoIterator<Item = &'a Ray>) -> Self {
+        let mut packet = Self::new();
+        for (lane, ray) in rays.into_iter().take(N).enumerate() {
+            packet.set_ray(lane, ray);
+        }
+        packet
+    }
+
+    /// Puts a ray into a lane and forgets the lane's hit.
+    ///
+    /// # Panics
+    /// If there is no such lane.
+    pub fn set_ray(&mut self, lane: usize, ray: &Ray) {
+        let rays = &mut self.rays;
+        [rays.org_x[lane], rays.org_y[lane], rays.org_z[lane]] = ray.origin.to_array();
+        [rays.dir_x[lane], rays.dir_y[lane], rays.dir_z[lane]] = ray.direction.to_array();
+        rays.tnear[lane] = ray.tnear;
+        rays.tfar[lane] = ray.tfar;
+        rays.time[lane] = ray.time;
+        rays.mask[lane] = ray.mask;
+        rays.id[lane] = ray.id;
+        rays.flags[lane] = ray.flags;
+        self.hits.geom_id[lane] = INVALID_ID;
+        self.active.0 |= 1 << lane;
+    }
+
+    /// The lane's ray, its `tfar` as the last query left it.
+    ///
+    /// # Panics
+    /// If there is no such lane.
+    pub fn ray(&self, lane: usize) -> Ray {
+        let rays = &self.rays;
+        Ray {
+            origin: Vec3::new(rays.org_x[lane], rays.org_y[lane], rays.org_z[lane]),
+            direction: Vec3::new(rays.dir_x[lane], rays.dir_y[lane], rays.dir_z[lane]),
+            tnear: rays.tnear[lane],
+            tfar: rays.tfar[lane],
+            time: rays.time[lane],
+            mask: rays.mask[lane],
+            id: rays.id[lane],
+            flags: rays.flags[lane],
+        }
+    }
+
+    /// What the lane's ray hit in the last [`intersect`](super::Scene::intersect), if anything.
+    ///
+    /// # Panics
+    /// If there is no such lane.
+    pub fn hit(&self, lane: usize) -> Option<Hit> {
+        let hits = &self.hits;
+        if hits.geom_id[lane] == INVALID_ID {
+            return None;
+        }
+        Some(Hit {
+            t: self.rays.tfar[lane],
+            u: hits.u[lane],
+            v: hits.v[lane],
+            ng: Vec3::new(hits.ng_x[lane], hits.ng_y[lane], hits.ng_z[lane]),
+            prim_id: hits.prim_id[lane],
+            geom_id: hits.geom_id[lane],
+            inst_id: std::array::from_fn(|level| hits.inst_id[level][lane]),
+            #[cfg(inst_prim_id)]
+            inst_prim_id: std::array::from_fn(|level| hits.inst_prim_id[level][lane]),
+            #[cfg(not(inst_prim_id))]
+            inst_prim_id: [INVALID_ID; LEVELS],
+        })
+    }
+
+    /// The lanes that hold rays, one bit a lane.
+    pub fn active(&self) -> u32 {
+        self.active.0
+    }
+
+    /// Chooses the lanes to trace, one bit a lane, and forgets their hits: for packets whose `rays`
+    /// are filled directly.
+    pub fn set_active(&mut self, lanes: u32) {
+        self.active.0 = lanes & all(N);
+        self.hits.geom_id = [INVALID_ID; N];
+    }
+
+    /// The lanes that hold rays which Embree can trace, their components within `reach`, one bit a
+    /// lane; see [`Ray::is_traceable`].
+    pub(super) fn traceable(&self, reach: f32) -> u32 {
+        debug_assert!(reach <= LARGEST_COMPONENT);
+        let rays = &self.rays;
+        let mut good = [true; N];
+        // comparisons with NaN are false
+        for component in [
+            &rays.org_x,
+            &rays.org_y,
+            &rays.org_z,
+            &rays.dir_x,
+            &rays.dir_y,
+            &rays.dir_z,
+        ] {
+            for lane in 0..N {
+                good[lane] &= component[lane].abs() <= reach;
+            }
+        }
+        let mut lanes = 0;
+        for (lane, good) in good.into_iter().enumerate() {
+            let (tnear, tfar) = (rays.tnear[lane], rays.tfar[lane]);
+            lanes |= u32::from(good && tnear >= 0.0 && tnear <= tfar) << lane;
+        }
+        lanes & self.active.0
+    }
+
+    /// Makes the lanes not in `lanes` rays of no length, and returns what they were: Embree 3 traces a
+    /// packet wider than the processor's by its rays alone, without a look at the mask.
+    pub(super) fn close_lanes(&mut self, lanes: u32) -> ([f32; N], [f32; N]) {
+        let before = (self.rays.tnear, self.rays.tfar);
+        for lane in (0..N).filter(|lane| lanes & 1 << lane == 0) {
+            self.rays.tnear[lane] = f32::INFINITY;
+            self.rays.tfar[lane] = f32::NEG_INFINITY;
+        }
+        before
+    }
+
+    /// Undoes [`close_lanes`](Self::close_lanes).
+    pub(super) fn reopen_lanes(&mut self, lanes: u32, before: &([f32; N], [f32; N])) {
+        for lane in (0..N).filter(|lane| lanes & 1 << lane == 0) {
+            self.rays.tnear[lane] = before.0[lane];
+            self.rays.tfar[lane] = before.1[lane];
+        }
+    }
+}
+
+/// All lanes of a width, one bit a lane.
+pub(super) const fn all(width: usize) -> u32 {
+    ((1_u64 << width) - 1) as u32
+}
+
+/// Embree's mask of the lanes to trace, -1 or 0 each, aligned for every width.
+#[repr(C, align(64))]
+pub(super) struct Valid<const N: usize>(pub(super) [i32; N]);
+
+impl<const N: usize> Valid<N> {
+    pub(super) fn of(lanes: u32) -> Self {
+        Self(std::array::from_fn(|lane| {
+            -i32::from(lanes & 1 << lane != 0)
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lane_gives_back_its_ray() {
+        let ray = Ray {
+            origin: Vec3::new(1.0, 2.0, 3.0),
+            direction: Vec3::new(4.0, 5.0, 6.0),
+            tnear: 0.5,
+            tfar: 7.0,
+            time: 0.25,
+            mask: 0xff,
+            id: 12,
+            flags: 0,
+        };
+        let mut packet = RayPacket::<8>::new();
+        packet.set_ray(5, &ray);
+        assert_eq!(packet.ray(5), ray);
+        assert_eq!(packet.active(), 1 << 5);
+        assert_eq!(packet.hit(5), None);
+        assert_eq!(packet.traceable(LARGEST_COMPONENT), 1 << 5);
+    }
+
+    #[test]
+    fn closed_lanes_come_back_and_are_not_traceable() {
+        let ray = Ray::new(Vec3::ZERO, Vec3::X).between(1.0, 2.0);
+        let mut packet = RayPacket::<4>::from_rays(&[ray; 4]);
+        let before = packet.close_lanes(0b0101);
+        assert_eq!(packet.traceable(LARGEST_COMPONENT), 0b0101);
+        packet.rays.tfar[0] = 1.5;
+        packet.reopen_lanes(0b0101, &before);
+        assert_eq!(packet.ray(1), ray);
+        assert_eq!(packet.ray(0).tfar, 1.5);
+    }
+
+    #[test]
+    fn rays_of_every_width_are_judged_alike() {
+        let good = Ray::new(Vec3::ZERO, Vec3::X);
+        let bad = Ray::new(Vec3::new(0.0, f32::NAN, 0.0), Vec3::X);
+        let rays: Vec<Ray> = (0..16)
+            .map(|i| if i % 3 == 0 { bad } else { good })
+            .collect();
+        let expected = (0..16)
+            .filter(|i| rays[*i].is_traceable())
+            .fold(0, |lanes, i| lanes | 1 << i);
+        assert_eq!(
+            RayPacket::<16>::from_rays(&rays).traceable(LARGEST_COMPONENT),
+            expected
+        );
+        assert_eq!(
+            RayPacket::<8>::from_rays(&rays).traceable(LARGEST_COMPONENT),
+            expected & 0xff
+        );
+        assert_eq!(
+            RayPacket::<4>::from_rays(&rays).traceable(LARGEST_COMPONENT),
+            expected & 0xf
+        );
+        assert_eq!(
+            RayPacket::<1>::from_rays(&rays).traceable(LARGEST_COMPONENT),
+            0
+        );
+    }
+}

@@ -1,0 +1,139 @@
+//! One ray and one hit, as values.
+
+use glam::Vec3;
+
+use super::sys::{INVALID_ID, LEVELS};
+
+/// The largest magnitude of a component of a ray's origin or direction that Embree computes with.
+/// Debian 12's library aborts the process beyond it.
+pub const LARGEST_COMPONENT: f32 = 1.844e18;
+
+/// A ray: the points `origin + t direction` with `tnear <= t <= tfar`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Where t = 0.
+    pub origin: Vec3,
+    /// Need not be of unit length: t counts in its length.
+    pub direction: Vec3,
+    /// Where the ray begins; 0 or more, see [`is_traceable`](Self::is_traceable).
+    pub tnear: f32,
+    /// Where the ray ends; may be infinite.
+    pub tfar: f32,
+    /// When, in [0, 1], for geometries with several time steps.
+    pub time: f32,
+    /// The ray sees the geometries whose mask has a bit in common with it.
+    pub mask: u32,
+    /// For the caller's own use.
+    pub id: u32,
+    /// For Embree's use; 0.
+    pub flags: u32,
+}
+
+impl Ray {
+    /// A ray from t = 0 to infinity at time 0 that sees every geometry.
+    pub const fn new(origin: Vec3, direction: Vec3) -> Self {
+        let (tnear, tfar) = (0.0, f32::INFINITY);
+        Self {
+            origin,
+            direction,
+            tnear,
+            tfar,
+            time: 0.0,
+            mask: !0,
+            id: 0,
+            flags: 0,
+        }
+    }
+
+    /// The same ray from `tnear` to `tfar`.
+    pub const fn between(self, tnear: f32, tfar: f32) -> Self {
+        Self {
+            tnear,
+            tfar,
+            ..self
+        }
+    }
+
+    /// The point at t.
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + t * self.direction
+    }
+
+    /// Whether the ray is one that Embree traces: numbers within [`LARGEST_COMPONENT`] in origin and
+    /// direction, `0 <= tnear <= tfar`, no NaN. Any other ray hits nothing, whatever the version of
+    /// Embree (Debian 12's would abort the process).
+    pub fn is_traceable(&self) -> bool {
+        let small = |v: Vec3| v.abs().cmple(Vec3::splat(LARGEST_COMPONENT)).all();
+        small(self.origin) && small(self.direction) && self.tnear >= 0.0 && self.tnear <= self.tfar
+    }
+}
+
+/// Where a ray hit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// The ray's parameter, in units of its direction's length.
+    pub t: f32,
+    /// The first parameter of the point on the primitive; of a triangle its second vertex's
+    /// barycentric coordinate.
+    pub u: f32,
+    /// The second parameter; of a triangle its third vertex's barycentric coordinate.
+    pub v: f32,
+    /// A normal of the surface, not of unit length, in the space of the geometry: of an instance's
+    /// hit before its transform.
+    pub ng: Vec3,
+    /// The primitive's number in its geometry.
+    pub prim_id: u32,
+    /// The geometry's number in its scene.
+    pub geom_id: u32,
+    /// The instance's number in its scene by level, the outermost first; [`Hit::NONE`] where there is
+    /// none.
+    pub inst_id: [u32; LEVELS],
+    /// The number in its instance array by level; [`Hit::NONE`] where there is none, and always with
+    /// Embree 3.
+    pub inst_prim_id: [u32; LEVELS],
+}
+
+impl Hit {
+    /// The number that stands for "none" where a geometry or an instance has its number.
+    pub const NONE: u32 = INVALID_ID;
+}
+
+/// A point of a user geometry's surface that a ray meets: what a callback reports.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceHit {
+    /// The ray's parameter, in units of its direction's length.
+    pub t: f32,
+    /// The point's first parameter on the primitive.
+    pub u: f32,
+    /// The point's second parameter on the primitive.
+    pub v: f32,
+    /// A normal of the surface, of any length, in the geometry's space.
+    pub ng: Vec3,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn traceable_rays_are_those_embree_computes_with() {
+        let ray = Ray::new(Vec3::ZERO, Vec3::Z);
+        assert!(ray.is_traceable());
+        assert!(ray.between(-0.0, 0.0).is_traceable());
+        assert!(!ray.between(-1e-30, 1.0).is_traceable());
+        assert!(!ray.between(2.0, 1.0).is_traceable());
+        assert!(!ray.between(f32::NAN, 1.0).is_traceable());
+        assert!(!ray.between(0.0, f32::NAN).is_traceable());
+        for bad in [
+            f32::NAN,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            1.85e18,
+            -1.85e18,
+        ] {
+            assert!(!Ray::new(Vec3::new(0.0, bad, 0.0), Vec3::Z).is_traceable());
+            assert!(!Ray::new(Vec3::ZERO, Vec3::new(0.0, 1.0, bad)).is_traceable());
+        }
+        assert!(Ray::new(Vec3::splat(1.844e18), Vec3::splat(-1.844e18)).is_traceable());
+    }
+}

@@ -1,0 +1,284 @@
+//! Scenes: geometries under one tree, to be traced.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::bounds::Bounds;
+use super::device::Device;
+use super::error::{Error, attempt};
+use super::filter::query_filter;
+use super::geometry::{BuildQuality, Geometry};
+use super::packet::{RayPacket, Traced, Valid, Width, all};
+use super::query::{QueryOptions, run};
+use super::ray::LARGEST_COMPONENT;
+use super::sys::{self, RTCSceneFlags, embree};
+
+/// The number of a geometry in its scene, as in [`Hit::geom_id`](super::Hit::geom_id).
+pub type GeometryId = u32;
+
+/// A committed scene: immutable, and traced from any number of threads at once. Clones are cheap and
+/// share it. It owns its geometries.
+#[derive(Clone)]
+pub struct Scene(Arc<Shared>);
+
+/// A scene in the making; it ends with [`commit`](Self::commit).
+pub struct SceneBuilder {
+    shared: Shared,
+    flags: RTCSceneFlags,
+    quality: BuildQuality,
+    failed: Option<Error>,
+}
+
+struct Shared {
+    handle: sys::RTCScene,
+    geometries: Vec<Geometry>,
+    bounds: Bounds,
+    query_filters: bool,
+    device: Device,
+}
+
+// SAFETY: an RTCScene is reference counted, and once committed only read.
+unsafe impl Send for Shared {}
+// SAFETY: as above.
+unsafe impl Sync for Shared {}
+
+impl SceneBuilder {
+    /// An empty scene.
+    ///
+    /// # Errors
+    /// If Embree cannot make one.
+    pub fn new(device: &Device) -> Result<Self, Error> {
+        // SAFETY: the device is live.
+        let handle = attempt("make a scene", || unsafe {
+            embree!(new_scene(device.handle()))
+        })?;
+        let shared = Shared {
+            handle,
+            geometries: Vec::new(),
+            bounds: Bounds::EMPTY,
+            query_filters: false,
+            device: device.clone(),
+        };
+        let flags = RTCSceneFlags::RTC_SCENE_FLAG_NONE;
+        Ok(Self {
+            shared,
+            flags,
+            quality: BuildQuality::Medium,
+            failed: None,
+        })
+    }
+
+    /// Triangles without gaps at their sides, a little slower. User geometry is not affected.
+    pub fn robust(self, on: bool) -> Self {
+        self.flag(RTCSceneFlags::RTC_SCENE_FLAG_ROBUST, on)
+    }
+
+    /// A smaller tree, a little slower.
+    pub fn compact(self, on: bool) -> Self {
+        self.flag(RTCSceneFlags::RTC_SCENE_FLAG_COMPACT, on)
+    }
+
+    /// A tree that is quicker to build and slower to trace, for scenes made anew every frame.
+    pub fn dynamic(self, on: bool) -> Self {
+        self.flag(RTCSceneFlags::RTC_SCENE_FLAG_DYNAMIC, on)
+    }
+
+    /// Allows queries to bring a [filter](QueryOptions::filter), which costs triangles a little.
+    pub fn query_filters(mut self, on: bool) -> Self {
+        self.shared.query_filters = on;
+        // SAFETY: a plain function of the shim.
+        let flag = RTCSceneFlags(unsafe { sys::curvetri_query_filter_scene_flag() });
+        self.flag(flag, on)
+    }
+
+    fn flag(mut self, flag: RTCSceneFlags, on: bool) -> Self {
+        self.flags.0 = if on {
+            self.flags.0 | flag.0
+        } else {
+            self.flags.0 & !flag.0
+        };
+        self
+    }
+
+    /// How much work goes into the tree.
+    pub fn build_quality(mut self, quality: BuildQuality) -> Self {
+        self.quality = quality;
+        self
+    }
+
+    /// Adds a geometry and returns its number: 0, 1, 2, ... in the order they are attached. One that
+    /// Embree refuses is an error of [`commit`](Self::commit).
+    pub fn attach(&mut self, geometry: &Geometry) -> GeometryId {
+        let id = u32::try_from(self.shared.geometries.len()).unwrap_or(u32::MAX);
+        self.shared.geometries.push(geometry.clone());
+        if !geometry.device().is(&self.shared.device) {
+            self.failed.get_or_insert(Error::OtherDevice("geometry"));
+            return id;
+        }
+        let (scene, handle) = (self.shared.handle, geometry.handle());
+        // SAFETY: both are live and of the same device.
+        let attached = attempt("attach a geometry", || unsafe {
+            embree!(attach_geometry(scene, handle))
+        });
+        match attached {
+            Ok(number) => debug_assert_eq!(number, id),
+            Err(error) => {
+                self.failed.get_or_insert(error);
+            }
+        }
+        id
+    }
+
+    /// Builds the tree, on all threads of the device.
+    ///
+    /// # Errors
+    /// If a geometry could not be attached, or there is not enough memory.
+    ///
+    /// # Panics
+    /// With the panic of a geometry's [`bounds`](super::UserGeometry::bounds), if there is one.
+    pub fn commit(self) -> Result<Scene, Error> {
+        if let Some(error) = self.failed {
+            return Err(error);
+        }
+        let mut shared = self.shared;
+        let handle = shared.handle;
+        let before: Vec<u64> = shared
+            .geometries
+            .iter()
+            .map(|geometry| geometry.build_panics().count())
+            .collect();
+        // SAFETY: the handle is a live scene that nobody else has.
+        let built = attempt("commit the scene", || unsafe {
+            embree!(set_scene_flags(handle, self.flags));
+            embree!(set_scene_build_quality(handle, self.quality.to_embree()));
+            embree!(commit_scene(handle));
+        });
+        for (geometry, before) in shared.geometries.iter().zip(before) {
+            geometry.build_panics().resume(before);
+        }
+        built?;
+        let mut bounds = Bounds::EMPTY.to_embree();
+        // SAFETY: the scene is committed.
+        attempt("bound the scene", || unsafe {
+            embree!(get_scene_bounds(handle, &mut bounds))
+        })?;
+        shared.bounds = Bounds::from_embree(&bounds);
+        Ok(Scene(Arc::new(shared)))
+    }
+}
+
+impl Scene {
+    /// The box around all geometries, at all times.
+    pub fn bounds(&self) -> Bounds {
+        self.0.bounds
+    }
+
+    /// The device it was made with.
+    pub fn device(&self) -> &Device {
+        &self.0.device
+    }
+
+    /// The geometry of a number.
+    pub fn geometry(&self, id: GeometryId) -> Option<&Geometry> {
+        self.0.geometries.get(id as usize)
+    }
+
+    /// Finds the nearest hit of every ray in a packet: an active lane's `tfar` is shortened to its
+    /// hit, and [`RayPacket::hit`] has it. A hit that the packet brings along, from another scene,
+    /// stays where this one has none nearer.
+    ///
+    /// A ray that is not [traceable](super::Ray::is_traceable) misses.
+    ///
+    /// # Panics
+    /// With the panic of a callback, if there is one; the packet's hits are undefined then. If the
+    /// options have a filter and the scene was not made for
+    /// [query filters](SceneBuilder::query_filters).
+    pub fn intersect<const N: usize>(&self, packet: &mut RayPacket<N>, options: &QueryOptions<'_>)
+    where
+        Width<N>: Traced,
+    {
+        self.trace(packet, options, sys::curvetri_intersect);
+    }
+
+    /// Finds out which rays of a packet hit anything; returns their lanes, one bit a lane. The `tfar`
+    /// of those is -infinity after it.
+    ///
+    /// A ray that is not [traceable](super::Ray::is_traceable) hits nothing.
+    ///
+    /// # Panics
+    /// As [`intersect`](Self::intersect).
+    pub fn occluded<const N: usize>(
+        &self,
+        packet: &mut RayPacket<N>,
+        options: &QueryOptions<'_>,
+    ) -> u32
+    where
+        Width<N>: Traced,
+    {
+        let traced = self.trace(packet, options, sys::curvetri_occluded);
+        (0..N)
+            .filter(|&lane| packet.rays.tfar[lane] == f32::NEG_INFINITY)
+            .fold(0, |occluded, lane| occluded | 1 << lane)
+            & traced
+    }
+
+    /// Runs a query on the lanes that can be traced, and returns those.
+    fn trace<const N: usize>(
+        &self,
+        packet: &mut RayPacket<N>,
+        options: &QueryOptions<'_>,
+        function: unsafe extern "C" fn(
+            u32,
+            *const i32,
+            sys::RTCScene,
+            *mut std::ffi::c_void,
+            *const sys::CurvetriQuery,
+        ),
+    ) -> u32
+    where
+        Width<N>: Traced,
+    {
+        assert!(
+            options.filter.is_none() || self.0.query_filters,
+            "a query filter needs a scene made with SceneBuilder::query_filters"
+        );
+        let lanes = packet.traceable(LARGEST_COMPONENT);
+        if lanes == 0 {
+            return 0;
+        }
+        let query = sys::CurvetriQuery {
+            coherent: u32::from(options.coherent),
+            filter: options.filter.map(|_| query_filter as _),
+        };
+        let valid = Valid::<N>::of(lanes);
+        let before = (lanes != all(N)).then(|| packet.close_lanes(lanes));
+        let pointer = std::ptr::from_mut(packet).cast();
+        run(options.filter, || {
+            // SAFETY: the scene is committed; the packet and the mask are of width N, in Embree's
+            // layout, and aligned to 64 bytes; every traced ray is one that Embree computes with.
+            unsafe { function(N as u32, valid.0.as_ptr(), self.0.handle, pointer, &query) }
+        });
+        if let Some(before) = before {
+            packet.reopen_lanes(lanes, &before);
+        }
+        lanes
+    }
+}
+
+impl fmt::Debug for Scene {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("Scene")
+            .field("geometries", &self.0.geometries)
+            .field("bounds", &self.0.bounds)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Drop for Shared {
+    fn drop(&mut self) {
+        // SAFETY: the handle is live and not used after this. An instance of the scene holds a clone
+        // of this, so Embree's scene ends here, before its geometries.
+        unsafe { embree!(release_scene(self.handle)) };
+    }
+}

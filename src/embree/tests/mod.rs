@@ -1,0 +1,4 @@
+//! Tests of the whole wrapper against analytic spheres.
+
+mod packets;
+mod sphere;

@@ -1,0 +1,386 @@
+//! User geometry: surfaces that Rust code intersects.
+
+use std::marker::PhantomData;
+use std::ops::Deref;
+
+use super::bounds::Bounds;
+use super::filter::{lanes, query_filter, read_ray};
+use super::geometry::Callbacks;
+use super::query::{Query, callback};
+use super::ray::{Ray, SurfaceHit};
+use super::record::{Call, Record};
+use super::sys;
+
+/// A surface made of numbered primitives that Rust code bounds and intersects.
+///
+/// Embree calls it from several threads at once. A panic in any of the functions resumes in the caller
+/// of [`SceneBuilder::commit`](super::SceneBuilder::commit), [`Scene::intersect`](super::Scene::intersect)
+/// or [`Scene::occluded`](super::Scene::occluded).
+pub trait UserGeometry: Send + Sync {
+    /// How many primitives there are. Asked once, when the geometry is made.
+    fn primitives(&self) -> u32;
+
+    /// How many time steps there are, 1 to 129, spread evenly over [0, 1]. Asked once.
+    fn time_steps(&self) -> u32 {
+        1
+    }
+
+    /// A box that holds the primitive at a time step. Embree intersects it with its ordinary (not
+    /// robust) arithmetic, so it should be padded by some units in the last place of the coordinates.
+    /// A primitive whose box is empty or not finite is never hit.
+    fn bounds(&self, prim: u32, time_step: u32) -> Bounds;
+
+    /// Finds the hits of the query's rays with its primitive, and
+    /// [reports](IntersectQuery::report) each ray's nearest, or where that is rejected the next.
+    fn intersect(&self, query: &mut IntersectQuery<'_>);
+
+    /// Finds out which of the query's rays the primitive occludes, and
+    /// [reports](OccludedQuery::report) a hit of each.
+    fn occluded(&self, query: &mut OccludedQuery<'_>);
+}
+
+/// The rays of a query and the primitive to test them against.
+///
+/// A lane is valid if it holds a ray that is still looking for a hit and that sees the geometry
+/// (Embree has compared their masks). Rays of other lanes may hold anything. In packets a valid ray
+/// need not meet the primitive's box.
+pub struct QueryRays<'a> {
+    rays: *mut f32,
+    width: usize,
+    valid: u32,
+    prim_id: u32,
+    geom_id: u32,
+    packet: PhantomData<&'a mut f32>,
+}
+
+/// A query for the nearest hit.
+pub struct IntersectQuery<'a> {
+    rays: QueryRays<'a>,
+    args: *const sys::RTCIntersectFunctionNArguments,
+    filtered: Filtered,
+    accepted: u32,
+}
+
+/// A query for any hit.
+pub struct OccludedQuery<'a> {
+    rays: QueryRays<'a>,
+    args: *const sys::RTCOccludedFunctionNArguments,
+    filtered: Filtered,
+    accepted: u32,
+}
+
+/// Whether hits need to be shown to filters.
+#[derive(Clone, Copy)]
+struct Filtered {
+    any: bool,
+    by_query: bool,
+}
+
+impl QueryRays<'_> {
+    /// The primitive's number in its geometry.
+    pub fn prim_id(&self) -> u32 {
+        self.prim_id
+    }
+
+    /// The geometry's number in its scene.
+    pub fn geom_id(&self) -> u32 {
+        self.geom_id
+    }
+
+    /// How many lanes there are: 1, 4, 8 or 16.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// The valid lanes, one bit a lane.
+    pub fn valid(&self) -> u32 {
+        self.valid
+    }
+
+    /// The valid lanes' numbers.
+    pub fn lanes(&self) -> impl Iterator<Item = usize> + use<> {
+        let mut left = self.valid;
+        std::iter::from_fn(move || {
+            let lane = left.trailing_zeros();
+            left &= left.wrapping_sub(1);
+            (lane < u32::BITS).then_some(lane as usize)
+        })
+    }
+
+    /// A lane's ray, in the geometry's space. Its `tfar` is the nearest hit so far.
+    ///
+    /// # Panics
+    /// If there is no such lane.
+    pub fn ray(&self, lane: usize) -> Ray {
+        assert!(lane < self.width);
+        // SAFETY: the packet has `width` lanes and lives as long as `self`.
+        unsafe { read_ray(self.rays, self.width, lane) }
+    }
+
+    /// The ray's n-th field in every lane.
+    fn field(&self, field: usize) -> &[f32] {
+        // SAFETY: a ray packet is twelve arrays of `width` four-byte numbers; the borrow of `self`
+        // keeps `report`, which writes to them, away.
+        unsafe { std::slice::from_raw_parts(self.rays.add(field * self.width), self.width) }
+    }
+
+    /// Origins' x, one a lane.
+    pub fn org_x(&self) -> &[f32] {
+        self.field(0)
+    }
+
+    /// Origins' y, one a lane.
+    pub fn org_y(&self) -> &[f32] {
+        self.field(1)
+    }
+
+    /// Origins' z, one a lane.
+    pub fn org_z(&self) -> &[f32] {
+        self.field(2)
+    }
+
+    /// Where the rays begin, one a lane.
+    pub fn tnear(&self) -> &[f32] {
+        self.field(3)
+    }
+
+    /// Directions' x, one a lane.
+    pub fn dir_x(&self) -> &[f32] {
+        self.field(4)
+    }
+
+    /// Directions' y, one a lane.
+    pub fn dir_y(&self) -> &[f32] {
+        self.field(5)
+    }
+
+    /// Directions' z, one a lane.
+    pub fn dir_z(&self) -> &[f32] {
+        self.field(6)
+    }
+
+    /// Times in [0, 1], one a lane.
+    pub fn time(&self) -> &[f32] {
+        self.field(7)
+    }
+
+    /// Where the rays end: the nearest hits so far, one a lane.
+    pub fn tfar(&self) -> &[f32] {
+        self.field(8)
+    }
+
+    /// Shortens the lane's ray to a hit and shows that to the filters, if `filters` is some. Returns
+    /// the hit to write if it counts; otherwise the ray is as before.
+    ///
+    /// # Panics
+    /// If there is no such lane.
+    fn offer(
+        &mut self,
+        lane: usize,
+        hit: &SurfaceHit,
+        call: Call,
+        filters: Option<impl FnOnce(*const sys::RTCFilterFunctionNArguments)>,
+    ) -> Option<Record> {
+        let (tnear, tfar) = (self.tnear()[lane], self.tfar()[lane]);
+        if self.valid & 1 << lane == 0 || !(hit.t >= tnear && hit.t <= tfar) {
+            return None;
+        }
+        // SAFETY: the call is Embree's, under way.
+        let record = unsafe { Record::new(hit, self.prim_id, self.geom_id, call) };
+        self.set_tfar(lane, hit.t);
+        let Some(filters) = filters else {
+            return Some(record);
+        };
+        // SAFETY: the rays are a packet of `width` lanes, `lane` one of them.
+        let kept = unsafe { record.filtered(self.rays, self.width, lane, call, filters) };
+        if kept.is_none() {
+            self.set_tfar(lane, tfar);
+        }
+        kept
+    }
+
+    fn set_tfar(&mut self, lane: usize, t: f32) {
+        debug_assert!(lane < self.width);
+        // SAFETY: tfar is the packet's ninth array of `width` numbers; `self` is borrowed mutably.
+        unsafe { *self.rays.add(8 * self.width + lane) = t };
+    }
+}
+
+impl<'a> Deref for IntersectQuery<'a> {
+    type Target = QueryRays<'a>;
+
+    fn deref(&self) -> &QueryRays<'a> {
+        &self.rays
+    }
+}
+
+impl<'a> Deref for OccludedQuery<'a> {
+    type Target = QueryRays<'a>;
+
+    fn deref(&self) -> &QueryRays<'a> {
+        &self.rays
+    }
+}
+
+impl IntersectQuery<'_> {
+    /// Offers a hit of a lane's ray. Returns whether it counts; it does not where the lane is not
+    /// valid, t is outside of the ray, or the geometry's or the query's filter rejects it, and the next
+    /// hit along the ray should be offered then. An accepted hit shortens the ray to it.
+    ///
+    /// # Panics
+    /// If there is no such lane.
+    pub fn report(&mut self, lane: usize, hit: SurfaceHit) -> bool {
+        let (args, filtered) = (self.args, self.filtered);
+        // SAFETY: Embree's arguments live as long as `self`.
+        let call = unsafe {
+            Call {
+                context: (*args).context,
+                user: (*args).geometryUserPtr,
+            }
+        };
+        let filters = filtered.any.then_some(|candidate| {
+            let by_query = filtered.by_query.then_some(query_filter as _);
+            // SAFETY: `args` is Embree's own struct and the candidate is complete.
+            unsafe { sys::curvetri_filter_intersect(args, candidate, by_query) }
+        });
+        let Some(record) = self.rays.offer(lane, &hit, call, filters) else {
+            return false;
+        };
+        let width = self.rays.width;
+        // SAFETY: the hits of an intersect query lie behind the twelve fields of its rays, and have
+        // `width` lanes, of which `lane` is one: `offer` checked.
+        unsafe { record.write(self.rays.rays.add(12 * width), width, lane) };
+        self.accepted |= 1 << lane;
+        true
+    }
+}
+
+impl OccludedQuery<'_> {
+    /// Offers a hit of a lane's ray. Returns whether it counts, as in [`IntersectQuery::report`]; the
+    /// ray is done then, and its lane no longer valid.
+    ///
+    /// # Panics
+    /// If there is no such lane.
+    pub fn report(&mut self, lane: usize, hit: SurfaceHit) -> bool {
+        let (args, filtered) = (self.args, self.filtered);
+        // SAFETY: Embree's arguments live as long as `self`.
+        let call = unsafe {
+            Call {
+                context: (*args).context,
+                user: (*args).geometryUserPtr,
+            }
+        };
+        let filters = filtered.any.then_some(|candidate| {
+            let by_query = filtered.by_query.then_some(query_filter as _);
+            // SAFETY: `args` is Embree's own struct and the candidate is complete.
+            unsafe { sys::curvetri_filter_occluded(args, candidate, by_query) }
+        });
+        if self.rays.offer(lane, &hit, call, filters).is_none() {
+            return false;
+        }
+        self.rays.set_tfar(lane, f32::NEG_INFINITY);
+        self.rays.valid &= !(1 << lane);
+        self.accepted |= 1 << lane;
+        true
+    }
+}
+
+impl Filtered {
+    fn new(callbacks: &Callbacks, query: Option<&Query<'_>>) -> Self {
+        let by_query = query.is_some_and(|query| query.filter().is_some());
+        // another program's query may bring filters that only Embree knows of
+        Self {
+            any: by_query || query.is_none() || callbacks.filtered(),
+            by_query,
+        }
+    }
+}
+
+/// The bounds function of every user geometry.
+pub(super) unsafe extern "C" fn bounds(args: *const sys::RTCBoundsFunctionArguments) {
+    // SAFETY: Embree's arguments live for the call, the callbacks as long as the geometry.
+    let (args, callbacks) = unsafe { (&*args, &*(*args).geometryUserPtr.cast::<Callbacks>()) };
+    let bounds = callbacks
+        .build_panics
+        .callback(|| callbacks.shape().bounds(args.primID, args.timeStep))
+        .unwrap_or(Bounds::EMPTY);
+    // SAFETY: Embree passes where to write the box.
+    unsafe { *args.bounds_o = bounds.to_embree() };
+}
+
+/// The intersect function of every user geometry.
+pub(super) unsafe extern "C" fn intersect(args: *const sys::RTCIntersectFunctionNArguments) {
+    // SAFETY: Embree's arguments live for the call.
+    let call = unsafe { &*args };
+    // SAFETY: the callbacks live as long as the geometry.
+    let callbacks = unsafe { &*call.geometryUserPtr.cast::<Callbacks>() };
+    let width = call.N as usize;
+    let accepted = callback(|query| {
+        // SAFETY: the packet and its mask have `width` lanes and live for the call.
+        let rays = unsafe {
+            QueryRays {
+                rays: call.rayhit.cast(),
+                width,
+                valid: callbacks.seen(call.rayhit.cast(), width, lanes(call.valid, width)),
+                prim_id: call.primID,
+                geom_id: call.geomID,
+                packet: PhantomData,
+            }
+        };
+        let filtered = Filtered::new(callbacks, query);
+        let mut query = IntersectQuery {
+            rays,
+            args,
+            filtered,
+            accepted: 0,
+        };
+        callbacks.shape().intersect(&mut query);
+        query.accepted
+    });
+    // SAFETY: as above.
+    unsafe { answer(call.valid, width, accepted.unwrap_or(0)) };
+}
+
+/// The occluded function of every user geometry.
+pub(super) unsafe extern "C" fn occluded(args: *const sys::RTCOccludedFunctionNArguments) {
+    // SAFETY: Embree's arguments live for the call.
+    let call = unsafe { &*args };
+    // SAFETY: the callbacks live as long as the geometry.
+    let callbacks = unsafe { &*call.geometryUserPtr.cast::<Callbacks>() };
+    let width = call.N as usize;
+    let accepted = callback(|query| {
+        // SAFETY: the packet and its mask have `width` lanes and live for the call.
+        let rays = unsafe {
+            QueryRays {
+                rays: call.ray.cast(),
+                width,
+                valid: callbacks.seen(call.ray.cast(), width, lanes(call.valid, width)),
+                prim_id: call.primID,
+                geom_id: call.geomID,
+                packet: PhantomData,
+            }
+        };
+        let filtered = Filtered::new(callbacks, query);
+        let mut query = OccludedQuery {
+            rays,
+            args,
+            filtered,
+            accepted: 0,
+        };
+        callbacks.shape().occluded(&mut query);
+        query.accepted
+    });
+    // SAFETY: as above.
+    unsafe { answer(call.valid, width, accepted.unwrap_or(0)) };
+}
+
+/// Embree 4's contract: the callback says which lanes it found a hit for. Embree 3 does not look.
+///
+/// # Safety
+/// `valid` holds `width` lanes.
+unsafe fn answer(valid: *mut i32, width: usize, accepted: u32) {
+    for lane in 0..width {
+        // SAFETY: as the caller promises.
+        unsafe { *valid.add(lane) = -i32::from(accepted & 1 << lane != 0) };
+    }
+}

@@ -1,0 +1,108 @@
+//! Fits the cross-side correction: on each side both neighbours turn their surfaces to one tangent
+//! plane, which they both know without knowing each other.
+//!
+//! At the share `lambda` along a side the common normal is `(1 - lambda) n_i + lambda n_j`, made
+//! perpendicular to the side's curve. The slope that brings the uncorrected surface there is
+//! sampled at three places and interpolated by a quadratic. See the method's notes in
+//! ARCHITECTURE.md.
+
+use super::dual::Dual;
+use super::flags::PatchFlags;
+use super::guide::Choice;
+use super::patch::{Patch, next};
+use super::real::Scalar;
+use super::vector::vector;
+
+/// Where along a side the slope is sampled.
+const SAMPLES: [f64; 3] = [0.2, 0.5, 0.8];
+/// Below this cosine of the steepest vertex normal a correction does more harm than good ...
+const FADE_END: f64 = 0.3;
+/// ... and from here on it is taken in full.
+const FADE_START: f64 = 0.5;
+
+/// Sets the correction of every curved side.
+pub(super) fn fit<S: Scalar>(patch: &mut Patch<S>, flags: PatchFlags) {
+    let strength = strength(patch);
+    for k in 0..3 {
+        if !flags.is_straight(k) {
+            let slopes = SAMPLES.map(|at| slope(patch, k, S::from_f64(at)) * strength);
+            patch.sides[k].correction = quadratic(slopes);
+        }
+    }
+}
+
+/// 1 for ordinary triangles, fading to 0 where a vertex normal is very steep.
+fn strength<S: Scalar>(patch: &Patch<S>) -> S {
+    let vertices = &patch.vertices;
+    let least = vertices[0].normal.lesser(vertices[1].normal).lesser(vertices[2].normal);
+    let share = (least - S::from_f64(FADE_END)) * S::from_f64(1.0 / (FADE_START - FADE_END));
+    share.greater(S::from_f64(0.0)).lesser(S::from_f64(1.0))
+}
+
+/// The bubble's slope `nu` at the share `along` of side `k`.
+fn slope<S: Scalar>(patch: &Patch<S>, k: usize, along: S) -> S {
+    let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
+    let side = &patch.sides[k];
+    let length = side.length2.sqrt();
+    // The surface as a function of x along the side and y inward.
+    let x = Dual::<S, 2>::variable(along * length, 0);
+    let y = Dual::<S, 2>::variable(zero, 1);
+    let b_m = y * constant(one / side.height);
+    let b_j = x * constant(one / length) - b_m * constant(side.foot);
+    let mut b = [constant(zero); 3];
+    b[k] = constant(one) - b_j - b_m;
+    b[next(k)] = b_j;
+    b[next(next(k))] = b_m;
+    let foot = patch.foot_in::<S, _>(b, Choice::only(k));
+    let h = patch.uncorrected(&foot);
+    // In the frame (along, inward, up): r = (x, y + lean h, h).
+    let out = foot.lean * h;
+    let tangent = vector(one, out.parts[0], h.parts[0]);
+    let inward = vector(zero, one + out.parts[1], h.parts[1]);
+    let (first, second) = (&patch.vertices[k], &patch.vertices[next(k)]);
+    let mix = |a: S, b: S| a * (one - along) + b * along;
+    let half = S::from_f64(0.5) / length;
+    let normal = vector(
+        mix(side.bend[0] * half, -(side.bend[1] * half)),
+        mix(first.inward[k], second.inward[k]),
+        mix(first.normal, second.normal),
+    );
+    let normal = normal - tangent * (normal.dot(tangent) / tangent.dot(tangent));
+    let guide = vector(zero, foot.lean.value, one);
+    let delta = -(inward.dot(normal) / guide.dot(normal));
+    delta * side.height / (along * (one - along))
+}
+
+fn constant<S: Scalar>(value: S) -> Dual<S, 2> {
+    Dual { value, parts: [S::from_f64(0.0); 2] }
+}
+
+/// Coefficients of the quadratic through the three sampled values.
+fn quadratic<S: Scalar>(values: [S; 3]) -> [S; 3] {
+    let [l, m, r] = SAMPLES;
+    let step = m - l;
+    debug_assert!((r - m - step).abs() < 1e-12);
+    let scale = |x: f64| S::from_f64(x);
+    let second = (values[0] - values[1] - values[1] + values[2]) * scale(0.5 / (step * step));
+    let first = (values[2] - values[0]) * scale(0.5 / step);
+    // value + first (x - m) + second (x - m)^2
+    [
+        values[1] - first * scale(m) + second * scale(m * m),
+        first - second * scale(2.0 * m),
+        second,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_quadratic_goes_through_its_samples() {
+        let values = [0.3f64, -1.2, 2.5];
+        let [c0, c1, c2] = quadratic(values);
+        for (at, value) in SAMPLES.into_iter().zip(values) {
+            assert!((c0 + at * (c1 + at * c2) - value).abs() < 1e-12);
+        }
+    }
+}

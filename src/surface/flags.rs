@@ -1,0 +1,106 @@
+//! What a patch is told beside its three vertices: one word.
+
+/// Which smooth surface a curved triangle stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Surface {
+    /// The paper's curvature rule, equation (19): by the angle at the vertex. Continuous, but its
+    /// normals jump across sides.
+    Angular,
+    /// Curvature as a quadratic form in the direction (Euler's formula), fixed by the three sides'
+    /// curvatures. Normals across sides agree for practical purposes on fine meshes.
+    Tensor,
+    /// `Tensor`, damped where a side's two ends tell different curvatures, and corrected so that
+    /// the tangent planes of neighbours agree along their side (C1).
+    #[default]
+    Smooth,
+}
+
+impl Surface {
+    /// Every surface, roughest first.
+    pub const ALL: [Surface; 3] = [Surface::Angular, Surface::Tensor, Surface::Smooth];
+
+    /// The name used on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Surface::Angular => "angular",
+            Surface::Tensor => "tensor",
+            Surface::Smooth => "smooth",
+        }
+    }
+}
+
+/// The surface, the sides that must stay straight, and whether the triangle is to stay flat.
+///
+/// Side `k` runs from vertex `k` to vertex `k + 1` (cyclically, from 0).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(transparent)]
+pub struct PatchFlags(u16);
+
+impl PatchFlags {
+    const FLAT: u16 = 1 << 3;
+    const SURFACE_SHIFT: u16 = 4;
+    const UNCHECKED: u16 = 1 << 6;
+
+    /// All sides curved.
+    pub const fn new(surface: Surface) -> Self {
+        Self((surface as u16) << Self::SURFACE_SHIFT)
+    }
+    /// With side `side` (0, 1 or 2) straight, as it has to be where the neighbour across it does
+    /// not share the two vertices' normals.
+    ///
+    /// # Panics
+    /// If `side` is above 2.
+    #[must_use]
+    pub const fn with_straight(self, side: usize) -> Self {
+        assert!(side < 3, "a triangle has the sides 0, 1 and 2");
+        Self(self.0 | 1 << side)
+    }
+    /// The whole triangle stays in its plane.
+    #[must_use]
+    pub const fn with_flat(self) -> Self {
+        Self(self.0 | Self::FLAT)
+    }
+    /// Curved even where the guide field folds over or guides may miss the spheres, as the paper
+    /// has it: for measuring the method's own error on cuts too coarse for it. A folded patch has
+    /// holes for rays, and its bounds are no longer proven.
+    #[must_use]
+    pub const fn with_unchecked(self) -> Self {
+        Self(self.0 | Self::UNCHECKED)
+    }
+    /// Whether side `side` is straight.
+    pub const fn is_straight(self, side: usize) -> bool {
+        self.0 & (1 << side) != 0
+    }
+    /// Whether the triangle was told to stay flat.
+    pub const fn is_flat(self) -> bool {
+        self.0 & Self::FLAT != 0
+    }
+    /// Whether the checks for folds and bends are left out.
+    pub const fn is_unchecked(self) -> bool {
+        self.0 & Self::UNCHECKED != 0
+    }
+    /// The surface.
+    pub const fn surface(self) -> Surface {
+        match (self.0 >> Self::SURFACE_SHIFT) & 3 {
+            0 => Surface::Angular,
+            1 => Surface::Tensor,
+            _ => Surface::Smooth,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_flag_is_kept_apart() {
+        for surface in Surface::ALL {
+            let flags = PatchFlags::new(surface).with_straight(1);
+            assert_eq!(flags.surface(), surface);
+            assert_eq!([0, 1, 2].map(|k| flags.is_straight(k)), [false, true, false]);
+            assert!(!flags.is_flat() && flags.with_flat().is_flat());
+            assert_eq!(flags.with_flat().surface(), surface);
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! The guide field (section 4.3) and its inverse.
+//!
+//! On a side the guide lies in the plane (5) through the side and the sum of its two normals; on
+//! the medians it is the plane's normal; in between it turns along the perpendicular to the side,
+//! (26) to (28). The guide over the foot is `nc + lean w` with `w` the inward perpendicular of the
+//! side whose sub-triangle the foot lies in.
+
+use super::dual::{at_least, capped, lesser};
+use super::patch::{Patch, Rule, Side, next};
+use super::real::{Jet, Mask, Real, Scalar};
+
+/// Which side's sub-triangle each lane is in.
+#[derive(Clone, Copy)]
+pub(super) struct Choice<V: Real> {
+    first: V::Mask,
+    second: V::Mask,
+}
+
+impl<V: Real> Choice<V> {
+    /// Side `k` is chosen where the opposite vertex's coordinate is the smallest.
+    #[inline(always)]
+    pub fn nearest(b: [V; 3]) -> Self {
+        let first = b[2].at_most(b[0]) & b[2].at_most(b[1]);
+        Self { first, second: !first & b[0].at_most(b[1]) }
+    }
+
+    /// Side `k` in every lane.
+    #[inline(always)]
+    pub fn only(k: usize) -> Self {
+        Self { first: V::Mask::splat(k == 0), second: V::Mask::splat(k == 1) }
+    }
+
+    /// The chosen one of three values, one for each side.
+    #[inline(always)]
+    pub fn pick<T: Jet<V>>(self, of: [T; 3]) -> T {
+        T::select(self.first, of[0], T::select(self.second, of[1], of[2]))
+    }
+
+    /// The chosen one of three constants.
+    #[inline(always)]
+    pub fn constant(self, of: impl Fn(usize) -> V::Scalar) -> V {
+        self.pick([V::splat(of(0)), V::splat(of(1)), V::splat(of(2))])
+    }
+
+    /// Whether side `k` is chosen.
+    #[inline(always)]
+    pub fn is(self, k: usize) -> V::Mask {
+        match k {
+            0 => self.first,
+            1 => self.second,
+            _ => !self.first & !self.second,
+        }
+    }
+}
+
+/// A point of the triangle's plane with the guide that stands on it.
+#[derive(Clone, Copy)]
+pub(super) struct Foot<V: Real, T> {
+    /// Barycentric coordinates.
+    pub b: [T; 3],
+    /// How far the guide leans inward over the chosen side, for a unit of height.
+    pub lean: T,
+    /// The sub-triangle.
+    pub choice: Choice<V>,
+}
+
+impl<S: Scalar> Patch<S> {
+    /// The guide over a plane point.
+    #[inline(always)]
+    pub(super) fn foot_at<V: Real<Scalar = S>, T: Jet<V>>(&self, b: [T; 3]) -> Foot<V, T> {
+        self.foot_in(b, Choice::nearest(b.map(T::value)))
+    }
+
+    /// The guide over a plane point of the sub-triangle of the chosen side.
+    #[inline(always)]
+    pub(super) fn foot_in<V: Real<Scalar = S>, T: Jet<V>>(
+        &self,
+        b: [T; 3],
+        choice: Choice<V>,
+    ) -> Foot<V, T> {
+        let one = V::constant(1.0);
+        let sides = &self.sides;
+        let b_i = choice.pick(b);
+        let b_m = choice.pick([b[2], b[0], b[1]]);
+        let along = choice.pick([b[1], b[2], b[0]])
+            + b_m.times(choice.constant(|k| sides[k].foot));
+        let limit = self.median(along, choice);
+        let ramp = if self.any_obtuse {
+            let b_j = choice.pick([b[1], b[2], b[0]]);
+            T::select(choice.obtuse(sides), lesser(b_i, b_j), limit)
+        } else {
+            limit
+        };
+        // At a vertex both the point and its median are at the side: there the guide is the side's.
+        let tiny = V::constant(1e-30);
+        let share = super::dual::ratio_or_zero(b_m, ramp, tiny);
+        let lean = (-capped(share, one)).plus(one).times(choice.constant(|k| sides[k].lean));
+        Foot { b, lean, choice }
+    }
+
+    /// The foot of the guide through a point of space, given the vertical projection's barycentric
+    /// coordinates and the height over the plane.
+    ///
+    /// The medians' guides are vertical, so the foot's sub-triangle is the projection's.
+    #[inline(always)]
+    pub(super) fn foot_under<V: Real<Scalar = S>>(&self, above: [V; 3], z: V) -> Foot<V, V> {
+        let (zero, one) = (V::constant(0.0), V::constant(1.0));
+        let sides = &self.sides;
+        let choice = Choice::<V>::nearest(above);
+        if self.rule == Rule::Flat {
+            return Foot { b: above, lean: zero, choice };
+        }
+        let foot = choice.constant(|k| sides[k].foot);
+        let above_m = choice.pick([above[2], above[0], above[1]]);
+        let above_j = choice.pick([above[1], above[2], above[0]]);
+        let shift = choice.constant(|k| sides[k].tilt) * z;
+        let along = above_j + above_m * foot;
+        let held = along.greater(zero).lesser(one);
+        let limit = self.median(held, choice);
+        let room = limit - shift;
+        let open = zero.less(room);
+        let share = V::select(open, above_m - shift, zero) / V::select(open, room, one);
+        let share = share.lesser(one);
+        let mut b_m = share * limit;
+        let mut b_j = held - b_m * foot;
+        let mut turn = one - share;
+        if self.any_obtuse {
+            let obtuse = choice.obtuse(sides);
+            let (ramp_m, ramp_share) = ramp_under(along, foot, above_m, shift);
+            b_m = V::select(obtuse, ramp_m, b_m);
+            b_j = V::select(obtuse, along - ramp_m * foot, b_j);
+            turn = V::select(obtuse, one - ramp_share, turn);
+        }
+        let b_i = one - b_j - b_m;
+        let b = [0, 1, 2].map(|v| {
+            // Vertex v is the first of side v, the second of side v - 1, opposite to side v + 1.
+            let first = choice.is(v);
+            let second = choice.is(next(next(v)));
+            V::select(first, b_i, V::select(second, b_j, b_m))
+        });
+        Foot { b, lean: turn * choice.constant(|k| sides[k].lean), choice }
+    }
+
+    /// The coordinate of the opposite vertex where the perpendicular at `along` meets the median.
+    #[inline(always)]
+    fn median<V: Real<Scalar = S>, T: Jet<V>>(&self, along: T, choice: Choice<V>) -> T {
+        let from_first = along.times(choice.constant(|k| self.sides[k].rise[0]));
+        let from_second =
+            (-along).plus(V::constant(1.0)).times(choice.constant(|k| self.sides[k].rise[1]));
+        at_least(lesser(from_first, from_second), V::constant(0.0))
+    }
+}
+
+impl<V: Real> Choice<V> {
+    /// Whether the chosen side has the ramp of obtuse triangles.
+    #[inline(always)]
+    fn obtuse(self, sides: &[Side<V::Scalar>; 3]) -> V::Mask {
+        let obtuse = |k: usize| V::Mask::splat(sides[k].obtuse);
+        (self.first & obtuse(0)) | (self.second & obtuse(1)) | (self.is(2) & obtuse(2))
+    }
+}
+
+/// The inverse of the ramp `s = b_m / min(b_i, b_j)`: the foot's `b_m` and `s`, given the
+/// projection's `b_m` and the shift `tilt z`.
+///
+/// On either branch the divisor is linear in `b_m`, `a0 + a1 b_m`, which leaves a quadratic; its
+/// root that stays finite as `a1` vanishes is the foot.
+#[inline(always)]
+fn ramp_under<V: Real>(along: V, foot: V, above_m: V, shift: V) -> (V, V) {
+    let (zero, one) = (V::constant(0.0), V::constant(1.0));
+    let (excess, four) = (above_m - shift, V::constant(4.0));
+    let root = |a0: V, a1: V| {
+        let q = a0 - a1 * excess - shift;
+        let discriminant = (q * q + four * a1 * a0 * excess).greater(zero);
+        let size = discriminant.sqrt();
+        // One root in two forms; each cancels for the other sign of q.
+        let (over, divisor) = (
+            V::select(q.less(zero), size - q, V::constant(2.0) * a0 * excess),
+            V::select(q.less(zero), a1 + a1, q + size),
+        );
+        let open = V::constant(1e-30).less(divisor.abs());
+        V::select(open, over, zero) / V::select(open, divisor, one)
+    };
+    let by_first = root(one - along, foot - one);
+    let by_second = root(along, -foot);
+    let of_first = |b: V| one - along + b * (foot - one);
+    let of_second = |b: V| along - b * foot;
+    let first = of_first(by_first).at_most(of_second(by_first));
+    let b_m = V::select(first, by_first, by_second);
+    let ramp = V::select(first, of_first(by_first), of_second(by_second));
+    let open = V::constant(1e-30).less(ramp);
+    let share = V::select(open, b_m, zero) / V::select(open, ramp, one);
+    (V::select(one.less(share), ramp, b_m), share.lesser(one))
+}

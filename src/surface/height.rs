@@ -1,0 +1,165 @@
+//! The height of the surface over a plane point, along the guide: equation (33) over the spheres
+//! of the three vertices.
+
+use super::dual::{at_least, capped, ratio_or_zero};
+use super::guide::Foot;
+use super::patch::{Patch, Rule, next};
+use super::real::{Jet, Real, Scalar};
+
+/// The damping factor's floor: where three sides disagree strongly it would turn negative. A side
+/// alone takes it down to 0.1 at most, so that no side's slope hangs on which of two equals wins.
+pub(super) const MIN_DAMPING_FACTOR: f64 = 0.09;
+
+/// What a curvature rule says at a vertex about a plane point at `d` from it.
+struct Curvature<T> {
+    /// The curvature times the squared distance.
+    times_distance2: T,
+    /// `c |d|^2 - 2 n.d`: how far the plane point is from the vertex's sphere, before damping.
+    offset: T,
+}
+
+impl<S: Scalar> Patch<S> {
+    /// The surface's height along the guide over the foot, in units of the patch's size.
+    #[inline(always)]
+    pub(super) fn height<V: Real<Scalar = S>, T: Jet<V>>(&self, foot: &Foot<V, T>) -> T {
+        let h = self.uncorrected(foot);
+        match self.rule {
+            Rule::Flat => h,
+            _ => h + self.correction(foot.b),
+        }
+    }
+
+    /// The height without the cross-side correction.
+    #[inline(always)]
+    pub(super) fn uncorrected<V: Real<Scalar = S>, T: Jet<V>>(&self, foot: &Foot<V, T>) -> T {
+        if self.rule == Rule::Flat {
+            return T::lift(V::constant(0.0));
+        }
+        let b = foot.b;
+        let damping = self.damping_factor(b);
+        let guide2 = (foot.lean * foot.lean).plus(V::constant(1.0));
+        let height = foot.choice.constant(|k| self.sides[k].height);
+        let up = foot.choice.pick([b[2], b[0], b[1]]).times(height);
+        let mut sum = T::lift(V::constant(0.0));
+        for i in 0..3 {
+            let t = self.sphere_parameter(i, foot, damping, guide2, up, height);
+            sum = sum + b[i] * t;
+        }
+        sum
+    }
+
+    /// The guide line's parameter `t` on the sphere of vertex `i`: the root of
+    /// `A t^2 - 2 B t + C = 0` near the plane, everything multiplied by `|d|^2` so that nothing
+    /// divides at the vertex.
+    #[inline(always)]
+    fn sphere_parameter<V: Real<Scalar = S>, T: Jet<V>>(
+        &self,
+        i: usize,
+        foot: &Foot<V, T>,
+        damping: T,
+        guide2: T,
+        up: T,
+        height: V,
+    ) -> T {
+        let (j, k) = (next(i), next(next(i)));
+        let (b_j, b_k) = (foot.b[j], foot.b[k]);
+        let length2 = |side: usize| V::splat(self.sides[side].length2);
+        // Twice the scalar product of the two sides out of the vertex.
+        let spread = length2(i) + length2(k) - length2(j);
+        let distance2 = (b_j * b_j).times(length2(i))
+            + (b_k * b_k).times(length2(k))
+            + (b_j * b_k).times(spread);
+        let curvature = match self.rule {
+            Rule::Angular => self.angular(i, foot.b, distance2),
+            _ => self.tensor(i, foot.b),
+        };
+        let vertex = &self.vertices[i];
+        let normal_guide = foot
+            .lean
+            .times(foot.choice.constant(|side| vertex.inward[side]))
+            .plus(V::splat(vertex.normal));
+        // Of the way from the vertex only the part along the lean meets the guide.
+        let opposite = V::select(foot.choice.is(j), height, V::constant(0.0));
+        let way_guide = foot.lean * up.plus(-opposite);
+        let a = curvature.times_distance2 * guide2;
+        let half_b = distance2 * normal_guide - curvature.times_distance2 * way_guide;
+        let c = distance2 * curvature.offset * damping;
+        let discriminant = at_least(half_b * half_b - a * c, V::constant(0.0));
+        ratio_or_zero(c, half_b + discriminant.sqrt(), V::constant(1e-30))
+    }
+
+    /// The paper's rule (19): curvature by the angle at the vertex.
+    #[inline(always)]
+    fn angular<V: Real<Scalar = S>, T: Jet<V>>(
+        &self,
+        i: usize,
+        b: [T; 3],
+        distance2: T,
+    ) -> Curvature<T> {
+        let (j, k) = (next(i), next(next(i)));
+        let (to_j, to_k) = (&self.sides[i], &self.sides[k]);
+        let half = S::from_f64(0.5);
+        let between = (to_j.length2 + to_k.length2 - self.sides[j].length2) * half;
+        let aside = b[j].times(V::splat(self.area2));
+        let ahead = b[k].times(V::splat(to_k.length2)) + b[j].times(V::splat(between));
+        let share = aside.atan2(ahead).times(V::splat(self.vertices[i].inverse_angle));
+        let (at_j, at_k) = (to_j.bend[0] / to_j.length2, to_k.bend[1] / to_k.length2);
+        let c = share.times(V::splat(at_j - at_k)).plus(V::splat(at_k));
+        let times_distance2 = c * distance2;
+        let tangential =
+            b[j].times(V::splat(to_j.bend[0])) + b[k].times(V::splat(to_k.bend[1]));
+        Curvature { times_distance2, offset: times_distance2 - tangential }
+    }
+
+    /// Curvature as the quadratic form that the three sides determine.
+    #[inline(always)]
+    fn tensor<V: Real<Scalar = S>, T: Jet<V>>(&self, i: usize, b: [T; 3]) -> Curvature<T> {
+        let (j, k) = (next(i), next(next(i)));
+        let (bend_j, bend_k) = (self.sides[i].bend[0], self.sides[k].bend[1]);
+        let across = self.mean_bend(j);
+        let (b_ij, b_ik, b_jk) = (b[i] * b[j], b[i] * b[k], b[j] * b[k]);
+        let times_distance2 = (b[j] * b[j]).times(V::splat(bend_j))
+            + (b[k] * b[k]).times(V::splat(bend_k))
+            + b_jk.times(V::splat(bend_j + bend_k - across));
+        let offset = -(b_ij.times(V::splat(bend_j))
+            + b_ik.times(V::splat(bend_k))
+            + b_jk.times(V::splat(across)));
+        Curvature { times_distance2, offset }
+    }
+
+    /// The bend of a side as the vertex opposite to it sees it: its two ends' mean.
+    #[inline(always)]
+    pub(super) fn mean_bend(&self, side: usize) -> S {
+        (self.sides[side].bend[0] + self.sides[side].bend[1]) * S::from_f64(0.5)
+    }
+
+    /// `1 - 4 (kappa_12 b1 b2 + ...)`, held above a floor: 1 at the vertices.
+    #[inline(always)]
+    fn damping_factor<V: Real<Scalar = S>, T: Jet<V>>(&self, b: [T; 3]) -> T {
+        let damping = |k: usize| (b[k] * b[next(k)]).times(V::splat(self.sides[k].damping));
+        let factor = (-(damping(0) + damping(1) + damping(2))).plus(V::constant(1.0));
+        at_least(factor, V::constant(MIN_DAMPING_FACTOR))
+    }
+
+    /// The cross-side correction: a cubic bubble that turns the surface about each side.
+    #[inline(always)]
+    fn correction<V: Real<Scalar = S>, T: Jet<V>>(&self, b: [T; 3]) -> T {
+        let (zero, one) = (V::constant(0.0), V::constant(1.0));
+        let weights = [0, 1, 2].map(|k| b[k] * b[next(k)]);
+        let mut sum = T::lift(zero);
+        for (k, side) in self.sides.iter().enumerate() {
+            let along = b[next(k)] + b[next(next(k))].times(V::splat(side.foot));
+            let along = capped(at_least(along, zero), one);
+            let [c0, c1, c2] = side.correction.map(V::splat);
+            let slope = (along * along.times(c2).plus(c1)).plus(c0);
+            sum = sum + weights[k] * slope;
+        }
+        let share = weights[0] + weights[1] + weights[2];
+        let bubble = weights[0] * b[2];
+        // Outside a vertex the weights' sum can vanish: there is no correction there.
+        let least = b[0].value().lesser(b[1].value()).lesser(b[2].value());
+        let outside = share.value().less(V::constant(1e-3)) & least.less(zero);
+        let share = T::select(outside, T::lift(zero), share);
+        ratio_or_zero(bubble * sum, share, V::constant(1e-20))
+    }
+}

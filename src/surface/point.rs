@@ -1,0 +1,103 @@
+//! The surface at given barycentric coordinates: point, tangents, geometric normal.
+
+use super::dual::Dual;
+use super::guide::Foot;
+use super::patch::{Patch, Rule, next};
+use super::real::{Real, Scalar};
+use super::vector::{Vector, vector};
+
+/// How far from a vertex derivatives are taken at the least, in barycentric coordinates.
+const OFF_VERTEX: f64 = 1e-5;
+
+/// A point of the curved surface.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint<V> {
+    /// Position, in the space of the patch's positions.
+    pub position: Vector<V>,
+    /// Derivative of the position by `u = b2`.
+    pub tangent_u: Vector<V>,
+    /// Derivative of the position by `v = b3`.
+    pub tangent_v: Vector<V>,
+    /// The surface's own geometric normal: unit, on the side of the vertex normals.
+    pub normal: Vector<V>,
+}
+
+impl<S: Scalar> Patch<S> {
+    /// The surface over the plane point with barycentric coordinates `(1 - u - v, u, v)`.
+    ///
+    /// Analytic: derivatives are carried through the very source that computes the height. On a
+    /// median, where the guide field has a kink, they are those of one side.
+    #[inline(always)]
+    pub fn point<V: Real<Scalar = S>>(&self, u: V, v: V) -> SurfacePoint<V> {
+        let foot = self.foot_at::<V, V>([V::constant(1.0) - u - v, u, v]);
+        let h = self.height(&foot);
+        let [to_second, to_third] = self.spokes.map(Vector::<V>::splat);
+        let guide = Vector::splat(self.normal) + self.inward(&foot) * foot.lean;
+        let local = to_second * u + to_third * v + guide * h;
+        let [tangent_u, tangent_v] = self.tangents(u, v);
+        let across = tangent_u.cross(tangent_v) * V::splat(self.winding);
+        let size = V::splat(self.size);
+        SurfacePoint {
+            position: local * size + Vector::splat(self.origin),
+            tangent_u: tangent_u * size,
+            tangent_v: tangent_v * size,
+            normal: across.normalize(),
+        }
+    }
+
+    /// The surface's own geometric normal at barycentric coordinates `(1 - u - v, u, v)`: unit, on
+    /// the side of the vertex normals. [`SurfacePoint::normal`] without the rest.
+    #[inline(always)]
+    pub fn normal_at<V: Real<Scalar = S>>(&self, u: V, v: V) -> Vector<V> {
+        if self.rule == Rule::Flat {
+            return Vector::splat(self.normal);
+        }
+        let [tangent_u, tangent_v] = self.tangents(u, v);
+        (tangent_u.cross(tangent_v) * V::splat(self.winding)).normalize()
+    }
+
+    /// Derivatives of the position by u and v, in units of the patch's size.
+    #[inline(always)]
+    fn tangents<V: Real<Scalar = S>>(&self, u: V, v: V) -> [Vector<V>; 2] {
+        let (foot, h) = self.raised(off_vertex(u, v));
+        let out = foot.lean * h;
+        let (normal, inward) = (Vector::splat(self.normal), self.inward(&foot));
+        [0, 1].map(|n| {
+            Vector::splat(self.spokes[n]) + normal * h.parts[n] + inward * out.parts[n]
+        })
+    }
+
+    /// The foot and the height over it, with their derivatives by u and v.
+    #[inline(always)]
+    fn raised<V: Real<Scalar = S>>(&self, [u, v]: [V; 2]) -> (Foot<V, Dual<V, 2>>, Dual<V, 2>) {
+        let b2 = Dual::<V, 2>::variable(u, 0);
+        let b3 = Dual::<V, 2>::variable(v, 1);
+        let one = Dual { value: V::constant(1.0), parts: [V::constant(0.0); 2] };
+        let foot = self.foot_at::<V, _>([one - b2 - b3, b2, b3]);
+        let h = self.height(&foot);
+        (foot, h)
+    }
+
+    /// The inward perpendicular of the foot's side.
+    #[inline(always)]
+    fn inward<V: Real<Scalar = S>, T>(&self, foot: &Foot<V, T>) -> Vector<V> {
+        let of = |component: fn(Vector<S>) -> S| {
+            foot.choice.constant(|k| {
+                component(self.gradients[next(next(k))]) * self.sides[k].height
+            })
+        };
+        vector(of(|g| g.x), of(|g| g.y), of(|g| g.z))
+    }
+}
+
+/// Moves a point that lies on a vertex off it by a trifle: at the vertex itself the direction to
+/// the plane point, and with it the derivative, is undefined; its limit is the same from all sides.
+#[inline(always)]
+fn off_vertex<V: Real>(u: V, v: V) -> [V; 2] {
+    let trifle = V::constant(OFF_VERTEX);
+    let (third, one) = (V::constant(1.0 / 3.0), V::constant(1.0));
+    let greatest = u.greater(v).greater(one - u - v);
+    let near = (one - trifle).less(greatest);
+    let share = V::select(near, trifle, V::constant(0.0));
+    [u + (third - u) * share, v + (third - v) * share]
+}

@@ -1,0 +1,160 @@
+//! A ray against one patch: the interval in which it can meet the surface, and the function whose
+//! root is the hit.
+
+use super::patch::{Patch, Rule, next};
+use super::real::{Mask, Real, Scalar};
+use super::vector::Vector;
+
+/// A ray in the space of the patch's positions.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray<V> {
+    /// Where `t = 0`.
+    pub origin: Vector<V>,
+    /// The way for one unit of `t`; need not be unit.
+    pub direction: Vector<V>,
+    /// Least parameter of a hit.
+    pub tnear: V,
+    /// Greatest parameter of a hit.
+    pub tfar: V,
+}
+
+/// A ray's way over a patch's plane, clipped to where the surface can be: the paper's options 1 to
+/// 5 are all this one interval (section 4.8).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Segment<V: Real> {
+    /// Where the interval begins, in the ray's parameter.
+    pub start: V,
+    /// Its length; the segment's own parameter runs from 0 to here.
+    pub length: V,
+    /// Whether there is an interval at all.
+    pub alive: V::Mask,
+    /// Length of the direction in units of the patch's size.
+    pub speed: V,
+    /// Barycentric coordinates of the vertical projection at the start, and their rates.
+    b: [V; 3],
+    b_rate: [V; 3],
+    /// Height over the plane at the start, and its rate.
+    z: V,
+    z_rate: V,
+}
+
+/// How far beyond its sides a patch is still searched, in barycentric coordinates, before the
+/// ray's own rounding: a guard, so that no ray slips between neighbours.
+const OVERLAP_EPSILONS: f64 = 256.0;
+/// What a ray from one unit away moves by rounding, in units of epsilon.
+const RAY_EPSILONS: f64 = 4.0;
+
+/// How far beyond side `k` a ray from this distance, in units of the patch's size, still counts.
+///
+/// Rounding moves a ray by some epsilons of the way from its origin to the patch, and by different
+/// ones for two neighbours.
+#[inline(always)]
+fn guard<S: Scalar, V: Real<Scalar = S>>(patch: &Patch<S>, k: usize, distance: V) -> V {
+    let ulps = S::EPSILON * S::from_f64(RAY_EPSILONS) / patch.sides[k].height;
+    distance * V::splat(ulps) + V::splat(S::EPSILON * S::from_f64(OVERLAP_EPSILONS))
+}
+
+#[inline(always)]
+fn max_abs<V: Real>(v: Vector<V>) -> V {
+    v.x.abs().greater(v.y.abs()).greater(v.z.abs())
+}
+
+impl<V: Real> Segment<V> {
+    /// The part of the ray between the three side planes and within the slab of heights.
+    #[inline(always)]
+    pub fn clip<S: Scalar>(patch: &Patch<S>, ray: &Ray<V>) -> Self
+    where
+        V: Real<Scalar = S>,
+    {
+        let unit = V::splat(S::from_f64(1.0) / patch.size);
+        let from = (ray.origin - Vector::splat(patch.origin)) * unit;
+        let along = ray.direction * unit;
+        let mut segment = Self::unclipped(patch, from, along, ray.tnear, ray.tfar);
+        segment.clip_to(patch, max_abs(from));
+        // Begin anew at the entry: the steps along the ray are then small against its position.
+        let entry = V::select(segment.alive, segment.start, ray.tnear);
+        let local = Self::unclipped(patch, from + along * entry, along, entry, ray.tfar);
+        Self { start: entry, length: segment.length, alive: segment.alive, ..local }
+    }
+
+    #[inline(always)]
+    fn unclipped<S: Scalar>(
+        patch: &Patch<S>,
+        from: Vector<V>,
+        along: Vector<V>,
+        start: V,
+        end: V,
+    ) -> Self
+    where
+        V: Real<Scalar = S>,
+    {
+        let one = V::constant(1.0);
+        let normal = Vector::<V>::splat(patch.normal);
+        let [_, second, third] = patch.gradients.map(Vector::<V>::splat);
+        let (b2, b3) = (second.dot(from), third.dot(from));
+        let (rate2, rate3) = (second.dot(along), third.dot(along));
+        Self {
+            start,
+            length: end,
+            alive: V::Mask::splat(true),
+            speed: along.length(),
+            b: [one - b2 - b3, b2, b3],
+            b_rate: [-(rate2 + rate3), rate2, rate3],
+            z: normal.dot(from),
+            z_rate: normal.dot(along),
+        }
+    }
+
+    /// Sets `start`, `length` and `alive`, all still in the ray's parameter from its origin.
+    #[inline(always)]
+    fn clip_to<S: Scalar>(&mut self, patch: &Patch<S>, distance: V)
+    where
+        V: Real<Scalar = S>,
+    {
+        let (mut lo, mut hi) = (self.start, self.length);
+        let mut alive = V::Mask::splat(true);
+        let mut keep = |value: V, rate: V| {
+            // Where value + rate t >= 0.
+            let zero = V::constant(0.0);
+            let crossing = -(value / rate);
+            lo = V::select(zero.less(rate), crossing, lo).greater(lo);
+            hi = V::select(rate.less(zero), crossing, hi).lesser(hi);
+            let moves = zero.less(rate) | rate.less(zero);
+            alive = alive & (moves | zero.at_most(value));
+        };
+        for (k, side) in patch.sides.iter().enumerate() {
+            let m = next(next(k));
+            let tilt = V::splat(side.tilt);
+            let guard = guard(patch, k, distance);
+            keep(self.b[m] - tilt * self.z + guard, self.b_rate[m] - tilt * self.z_rate);
+        }
+        // A flat triangle's slab has no thickness: there the crossing of its plane decides.
+        if patch.rule != Rule::Flat {
+            let room = V::splat(S::EPSILON * S::from_f64(RAY_EPSILONS)) * distance;
+            let [zmin, zmax] = patch.slab.map(V::splat);
+            keep(self.z - zmin + room, self.z_rate);
+            keep(zmax - self.z + room, -self.z_rate);
+        }
+        self.start = lo;
+        self.length = hi - lo;
+        self.alive = alive & lo.at_most(hi);
+    }
+
+    /// Height over the plane at the segment's parameter.
+    #[inline(always)]
+    pub fn z(&self, at: V) -> V {
+        self.z + self.z_rate * at
+    }
+
+    /// Barycentric coordinates of the vertical projection at the segment's parameter.
+    #[inline(always)]
+    pub fn projection(&self, at: V) -> [V; 3] {
+        [0, 1, 2].map(|i| self.b[i] + self.b_rate[i] * at)
+    }
+
+    /// Where the ray crosses the triangle's plane, in the segment's parameter.
+    #[inline(always)]
+    pub fn plane_crossing(&self) -> V {
+        -(self.z / self.z_rate)
+    }
+}

@@ -1,0 +1,252 @@
+//! The numbers the kernel is written over: one source for `f32`, `f64` and, later, SIMD lanes.
+//!
+//! Three layers, because a patch, a ray and a derivative are different kinds of number:
+//! - [`Scalar`]: `f32` or `f64`, what a patch's constants are made of;
+//! - [`Real`]: one value, or one value a lane; compared by masks and chosen by `select`, so that
+//!   nothing in an evaluation branches on a value;
+//! - [`Jet`]: a [`Real`], or a [`Real`] with its partial derivatives ([`super::dual::Dual`]).
+
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+/// The answer of a comparison, one truth value a lane.
+pub trait Mask:
+    Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
+{
+    /// The same truth value in every lane.
+    fn splat(value: bool) -> Self;
+    /// Whether any lane holds.
+    fn any(self) -> bool;
+    /// Whether every lane holds.
+    fn all(self) -> bool {
+        !(!self).any()
+    }
+}
+
+impl Mask for bool {
+    #[inline(always)]
+    fn splat(value: bool) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        self
+    }
+}
+
+/// The arithmetic every layer shares.
+pub trait Arithmetic:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+}
+
+impl<T> Arithmetic for T where
+    T: Copy
+        + Add<Output = T>
+        + Sub<Output = T>
+        + Mul<Output = T>
+        + Div<Output = T>
+        + Neg<Output = T>
+{
+}
+
+/// One value, or one a lane.
+pub trait Real: Arithmetic {
+    /// One truth value a lane.
+    type Mask: Mask;
+    /// What one lane holds.
+    type Scalar: Scalar;
+
+    /// The same value in every lane.
+    fn splat(value: Self::Scalar) -> Self;
+    /// `self < other`, lane by lane; false where either is NaN.
+    fn less(self, other: Self) -> Self::Mask;
+    /// `self <= other`, lane by lane; false where either is NaN.
+    fn at_most(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask holds, `no` elsewhere.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// The square root; NaN below zero.
+    fn sqrt(self) -> Self;
+    /// The absolute value.
+    fn abs(self) -> Self;
+    /// The angle of the point `(x, self)`, in radians within [-pi, pi]; 0 at the origin.
+    fn atan2(self, x: Self) -> Self;
+
+    /// The same constant in every lane, rounded to the lanes' precision.
+    #[inline(always)]
+    fn constant(value: f64) -> Self {
+        Self::splat(Self::Scalar::from_f64(value))
+    }
+    /// The lesser of the two; `other` where `self` is NaN.
+    #[inline(always)]
+    fn lesser(self, other: Self) -> Self {
+        Self::select(self.less(other), self, other)
+    }
+    /// The greater of the two; `other` where `self` is NaN.
+    #[inline(always)]
+    fn greater(self, other: Self) -> Self {
+        Self::select(other.less(self), self, other)
+    }
+}
+
+/// `f32` or `f64`: what a patch's constants are made of.
+pub trait Scalar: Real<Scalar = Self, Mask = bool> + PartialOrd + std::fmt::Debug {
+    /// The distance from 1 to the next larger value.
+    const EPSILON: Self;
+    /// A finite value larger than any a scene holds.
+    const HUGE: Self;
+
+    /// Rounded from `f64`.
+    fn from_f64(value: f64) -> Self;
+    /// The same value as `f64`; exact.
+    fn to_f64(self) -> f64;
+    /// Whether it is neither infinite nor NaN.
+    fn is_finite(self) -> bool;
+    /// The largest power of two that is not larger than this positive normal number.
+    ///
+    /// Dividing by it is exact, so two triangles that share a side get bit-equal numbers of it,
+    /// whatever their own sizes.
+    fn power_of_two(self) -> Self;
+}
+
+macro_rules! scalar {
+    ($float:ident, $huge:expr, $exponent_bits:expr) => {
+        impl Real for $float {
+            type Mask = bool;
+            type Scalar = $float;
+
+            #[inline(always)]
+            fn splat(value: $float) -> Self {
+                value
+            }
+            #[inline(always)]
+            fn less(self, other: Self) -> bool {
+                self < other
+            }
+            #[inline(always)]
+            fn at_most(self, other: Self) -> bool {
+                self <= other
+            }
+            #[inline(always)]
+            fn select(mask: bool, yes: Self, no: Self) -> Self {
+                if mask { yes } else { no }
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $float::sqrt(self)
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                $float::abs(self)
+            }
+            #[inline(always)]
+            fn atan2(self, x: Self) -> Self {
+                $float::atan2(self, x)
+            }
+        }
+
+        impl Scalar for $float {
+            const EPSILON: Self = $float::EPSILON;
+            const HUGE: Self = $huge;
+
+            #[inline(always)]
+            fn from_f64(value: f64) -> Self {
+                value as $float
+            }
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                self as f64
+            }
+            #[inline(always)]
+            fn is_finite(self) -> bool {
+                $float::is_finite(self)
+            }
+            #[inline(always)]
+            fn power_of_two(self) -> Self {
+                $float::from_bits(self.to_bits() & $exponent_bits)
+            }
+        }
+    };
+}
+
+scalar!(f32, 1e30, 0x7f80_0000);
+scalar!(f64, 1e200, 0x7ff0_0000_0000_0000);
+
+/// A [`Real`] that may carry partial derivatives.
+///
+/// Comparisons look at the value alone, and a `select` takes the chosen side's derivatives with
+/// it: the derivative of the branch the value lies on.
+pub trait Jet<V: Real>: Arithmetic {
+    /// A value whose derivatives are zero.
+    fn lift(value: V) -> Self;
+    /// The value without derivatives.
+    fn value(self) -> V;
+    /// The product with a constant.
+    fn times(self, factor: V) -> Self;
+    /// The sum with a constant.
+    fn plus(self, term: V) -> Self;
+    /// `yes` where the mask holds, `no` elsewhere.
+    fn select(mask: V::Mask, yes: Self, no: Self) -> Self;
+    /// The square root; its derivative is zero where the value is.
+    fn sqrt(self) -> Self;
+    /// The angle of the point `(x, self)`; its derivative is zero at the origin.
+    fn atan2(self, x: Self) -> Self;
+}
+
+impl<V: Real> Jet<V> for V {
+    #[inline(always)]
+    fn lift(value: V) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn value(self) -> V {
+        self
+    }
+    #[inline(always)]
+    fn times(self, factor: V) -> Self {
+        self * factor
+    }
+    #[inline(always)]
+    fn plus(self, term: V) -> Self {
+        self + term
+    }
+    #[inline(always)]
+    fn select(mask: V::Mask, yes: Self, no: Self) -> Self {
+        <V as Real>::select(mask, yes, no)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Real::sqrt(self)
+    }
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        Real::atan2(self, x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_power_of_two_divides_exactly() {
+        for value in [1.0f32, 1.5, 3.999, 1e-20, 7e30, 0.1] {
+            let power = value.power_of_two();
+            assert!(power <= value && value < 2.0 * power);
+            assert_eq!((value / power) * power, value);
+        }
+        assert_eq!(5.0f64.power_of_two(), 4.0);
+    }
+
+    #[test]
+    fn lesser_and_greater_drop_a_nan_on_the_left() {
+        assert_eq!(f32::NAN.lesser(2.0), 2.0);
+        assert_eq!(f32::NAN.greater(2.0), 2.0);
+        assert_eq!(1.0f32.lesser(2.0), 1.0);
+        assert_eq!(1.0f32.greater(2.0), 2.0);
+    }
+}
