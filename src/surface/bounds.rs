@@ -20,19 +20,31 @@ pub(super) struct Range<S> {
 
 impl<S: Scalar> Range<S> {
     fn of(value: S) -> Self {
-        Self { lo: value, hi: value }
+        Self {
+            lo: value,
+            hi: value,
+        }
     }
     fn zero() -> Self {
         Self::of(S::from_f64(0.0))
     }
     fn between(a: S, b: S) -> Self {
-        Self { lo: a.lesser(b), hi: a.greater(b) }
+        Self {
+            lo: a.lesser(b),
+            hi: a.greater(b),
+        }
     }
     fn hull(self, other: Self) -> Self {
-        Self { lo: self.lo.lesser(other.lo), hi: self.hi.greater(other.hi) }
+        Self {
+            lo: self.lo.lesser(other.lo),
+            hi: self.hi.greater(other.hi),
+        }
     }
     fn plus(self, other: Self) -> Self {
-        Self { lo: self.lo + other.lo, hi: self.hi + other.hi }
+        Self {
+            lo: self.lo + other.lo,
+            hi: self.hi + other.hi,
+        }
     }
     fn scaled(self, factor: S) -> Self {
         Self::between(self.lo * factor, self.hi * factor)
@@ -41,7 +53,10 @@ impl<S: Scalar> Range<S> {
         self.scaled(other.lo).hull(self.scaled(other.hi))
     }
     fn widened(self, by: S) -> Self {
-        Self { lo: self.lo - by, hi: self.hi + by }
+        Self {
+            lo: self.lo - by,
+            hi: self.hi + by,
+        }
     }
     fn max_abs(self) -> S {
         self.lo.abs().greater(self.hi.abs())
@@ -79,11 +94,17 @@ pub(super) struct Spread<S> {
 /// Bounds what each vertex's sphere asks for, under the patch's present rule.
 pub(super) fn spread<S: Scalar>(patch: &Patch<S>) -> Spread<S> {
     let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
-    let damping = patch.sides.iter().fold(zero, |most, side| most.greater(side.damping));
+    let damping = patch
+        .sides
+        .iter()
+        .fold(zero, |most, side| most.greater(side.damping));
     // kappa_12 b1 b2 + kappa_23 b2 b3 + kappa_31 b3 b1 is at most a third of the greatest kappa.
     let least = (one - damping * S::from_f64(1.0 / 3.0)).greater(S::from_f64(MIN_DAMPING_FACTOR));
     let damping = Range { lo: least, hi: one };
-    Spread { vertices: [0, 1, 2].map(|i| vertex_spread(patch, i)), damping }
+    Spread {
+        vertices: [0, 1, 2].map(|i| vertex_spread(patch, i)),
+        damping,
+    }
 }
 
 fn vertex_spread<S: Scalar>(patch: &Patch<S>, i: usize) -> VertexSpread<S> {
@@ -104,7 +125,13 @@ fn vertex_spread<S: Scalar>(patch: &Patch<S>, i: usize) -> VertexSpread<S> {
         lo: one / (half_b.hi + most),
         hi: one / (low + discriminant.greater(zero).sqrt()),
     };
-    VertexSpread { middles, corners, half_b, discriminant, reach }
+    VertexSpread {
+        middles,
+        corners,
+        half_b,
+        discriminant,
+        reach,
+    }
 }
 
 /// Ranges of `B_i = n.g - c d.g` and of `|g|^2`.
@@ -122,7 +149,10 @@ fn half_b_range<S: Scalar>(
         // third of the height, less the vertex's own y.
         let own = if k == next(i) { side.height } else { zero };
         let third = side.height * S::from_f64(1.0 / 3.0);
-        let way = Range { lo: -own, hi: third - own };
+        let way = Range {
+            lo: -own,
+            hi: third - own,
+        };
         let inward = curvature.times(way).scaled(S::from_f64(-1.0));
         let inward = inward.plus(Range::of(vertex.inward[k]));
         let leaning = Range::between(zero, side.lean).times(inward);
@@ -160,9 +190,20 @@ fn curvature_range<S: Scalar>(patch: &Patch<S>, i: usize) -> Range<S> {
     let zero = S::from_f64(0.0);
     let rises = zero.at_most(away_from_k) && zero.at_most(away_from_j);
     let falls = away_from_k.at_most(zero) && away_from_j.at_most(zero);
-    let highest = if rises { ends.hi.greater(mean + radius) } else { ends.hi };
-    let lowest = if falls { ends.lo.lesser(mean - radius) } else { ends.lo };
-    Range { lo: lowest, hi: highest }
+    let highest = if rises {
+        ends.hi.greater(mean + radius)
+    } else {
+        ends.hi
+    };
+    let lowest = if falls {
+        ends.lo.lesser(mean - radius)
+    } else {
+        ends.lo
+    };
+    Range {
+        lo: lowest,
+        hi: highest,
+    }
 }
 
 /// Quadratic Bernstein coefficients of `C_i`, before damping.
@@ -181,8 +222,7 @@ fn offset_coefficients<S: Scalar>(
         return ([near_j, near_k, across], [Range::zero(); 2]);
     }
     // C = c |d|^2 - 2 n.d with c anywhere between the two sides' curvatures.
-    let between =
-        (to_j.length2 + to_k.length2 - patch.sides[j].length2) * S::from_f64(0.5);
+    let between = (to_j.length2 + to_k.length2 - patch.sides[j].length2) * S::from_f64(0.5);
     let across = curvature.scaled(between).plus(near_j).plus(near_k);
     let corner_j = curvature.scaled(to_j.length2).plus(Range::of(-bend_j));
     let corner_k = curvature.scaled(to_k.length2).plus(Range::of(-bend_k));
@@ -204,7 +244,9 @@ impl<S: Scalar> Spread<S> {
     /// a touch).
     pub fn reaches(&self) -> bool {
         let least = S::from_f64(MIN_REACH);
-        self.vertices.iter().all(|v| least < v.half_b.lo && v.reach.hi.is_finite())
+        self.vertices
+            .iter()
+            .all(|v| least < v.half_b.lo && v.reach.hi.is_finite())
     }
 }
 
@@ -216,13 +258,27 @@ pub(super) fn folds<S: Scalar>(patch: &Patch<S>) -> bool {
     let (zero, half, one) = (S::from_f64(0.0), S::from_f64(0.5), S::from_f64(1.0));
     let most = S::from_f64(MAX_FOLD);
     patch.sides.iter().enumerate().any(|(k, side)| {
-        let centroid = if side.obtuse { half } else { (one + side.foot) * S::from_f64(1.0 / 3.0) };
-        let rise = if side.obtuse { ramp_rise(side.foot) } else { side.rise };
-        let places = [zero, centroid * half, centroid, (one + centroid) * half, one];
+        let centroid = if side.obtuse {
+            half
+        } else {
+            (one + side.foot) * S::from_f64(1.0 / 3.0)
+        };
+        let rise = if side.obtuse {
+            ramp_rise(side.foot)
+        } else {
+            side.rise
+        };
+        let places = [
+            zero,
+            centroid * half,
+            centroid,
+            (one + centroid) * half,
+            one,
+        ];
         places.iter().any(|&along| {
             // The height over lambda (1 - lambda), and the median over the same.
-            let lift = (one - along) * end_lift(patch, k, 0, along)
-                + along * end_lift(patch, k, 1, along);
+            let lift =
+                (one - along) * end_lift(patch, k, 0, along) + along * end_lift(patch, k, 1, along);
             let room = if along <= centroid {
                 rise[0] / (one - along)
             } else {
@@ -247,7 +303,8 @@ fn end_lift<S: Scalar>(patch: &Patch<S>, k: usize, end: usize, along: S) -> S {
     let vertex = &patch.vertices[if end == 0 { k } else { next(k) }];
     let one = S::from_f64(1.0);
     let share = along * (one - along);
-    let bend = -side.bend[end] * (one - side.damping * share).greater(S::from_f64(MIN_DAMPING_FACTOR));
+    let bend =
+        -side.bend[end] * (one - side.damping * share).greater(S::from_f64(MIN_DAMPING_FACTOR));
     let half_b = vertex.normal + side.lean * vertex.inward[k];
     let a = side.bend[end] / side.length2 * (one + side.lean * side.lean);
     let discriminant = half_b * half_b - a * bend * share;
@@ -275,7 +332,10 @@ impl<S: Scalar> HeightNet<S> {
             let near_second = middle(j, 1).plus(middle(j, 1)).plus(corner(i, 0));
             [near_first.scaled(third), near_second.scaled(third)]
         });
-        let across = middle(0, 2).plus(middle(1, 2)).plus(middle(2, 2)).scaled(third);
+        let across = middle(0, 2)
+            .plus(middle(1, 2))
+            .plus(middle(2, 2))
+            .scaled(third);
         let sixth = S::from_f64(1.0 / 6.0);
         let centre = across.plus(correction_range(patch).scaled(sixth));
         Self { sides, centre }
@@ -299,7 +359,9 @@ fn correction_range<S: Scalar>(patch: &Patch<S>) -> Range<S> {
     let half = S::from_f64(0.5);
     let of_side = |k: usize| {
         let [c0, c1, c2] = patch.sides[k].correction;
-        Range::of(c0).hull(Range::of(c0 + c1 * half)).hull(Range::of(c0 + c1 + c2))
+        Range::of(c0)
+            .hull(Range::of(c0 + c1 * half))
+            .hull(Range::of(c0 + c1 + c2))
     };
     of_side(0).hull(of_side(1)).hull(of_side(2))
 }
@@ -334,7 +396,9 @@ impl<S: Scalar> Patch<S> {
     fn axis_range(&self, net: Option<&HeightNet<S>>, of: fn(Vector<S>) -> S) -> Range<S> {
         let zero = S::from_f64(0.0);
         let points = [zero, of(self.spokes[0]), of(self.spokes[1])];
-        let mut hull = points.iter().fold(Range::zero(), |hull, &p| hull.hull(Range::of(p)));
+        let mut hull = points
+            .iter()
+            .fold(Range::zero(), |hull, &p| hull.hull(Range::of(p)));
         if let Some(net) = net {
             let guide = self.guide_range(of);
             let third = S::from_f64(1.0 / 3.0);
@@ -354,8 +418,11 @@ impl<S: Scalar> Patch<S> {
         let hull = hull.widened(inside + hull.max_abs() * S::EPSILON * S::from_f64(8.0));
         let origin = of(self.origin);
         let outside = (origin.abs() + hull.max_abs() * self.size) * S::EPSILON * S::from_f64(4.0);
-        Range { lo: hull.lo * self.size + origin, hi: hull.hi * self.size + origin }
-            .widened(outside)
+        Range {
+            lo: hull.lo * self.size + origin,
+            hi: hull.hi * self.size + origin,
+        }
+        .widened(outside)
     }
 
     /// The range of one coordinate of the guide vectors.

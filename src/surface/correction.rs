@@ -34,7 +34,10 @@ pub(super) fn fit<S: Scalar>(patch: &mut Patch<S>, flags: PatchFlags) {
 /// 1 for ordinary triangles, fading to 0 where a vertex normal is very steep.
 fn strength<S: Scalar>(patch: &Patch<S>) -> S {
     let vertices = &patch.vertices;
-    let least = vertices[0].normal.lesser(vertices[1].normal).lesser(vertices[2].normal);
+    let least = vertices[0]
+        .normal
+        .lesser(vertices[1].normal)
+        .lesser(vertices[2].normal);
     let share = (least - S::from_f64(FADE_END)) * S::from_f64(1.0 / (FADE_START - FADE_END));
     share.greater(S::from_f64(0.0)).lesser(S::from_f64(1.0))
 }
@@ -74,7 +77,10 @@ fn slope<S: Scalar>(patch: &Patch<S>, k: usize, along: S) -> S {
 }
 
 fn constant<S: Scalar>(value: S) -> Dual<S, 2> {
-    Dual { value, parts: [S::from_f64(0.0); 2] }
+    Dual {
+        value,
+        parts: [S::from_f64(0.0); 2],
+    }
 }
 
 /// Coefficients of the quadratic through the three sampled values.

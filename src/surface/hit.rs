@@ -82,7 +82,13 @@ impl<S: Scalar> Patch<S> {
         let found = found & ray.tnear.less(t) & t.at_most(ray.tfar);
         let foot = self.foot_under(segment.projection(at), segment.z(at));
         let [u, v] = kept_inside(foot.b);
-        Hit { found, t, u, v, evaluations }
+        Hit {
+            found,
+            t,
+            u,
+            v,
+            evaluations,
+        }
     }
 
     /// The least parameter at which to look for the root after the one at `t`: beyond the reach of

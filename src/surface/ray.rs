@@ -74,7 +74,12 @@ impl<V: Real> Segment<V> {
         // Begin anew at the entry: the steps along the ray are then small against its position.
         let entry = V::select(segment.alive, segment.start, ray.tnear);
         let local = Self::unclipped(patch, from + along * entry, along, entry, ray.tfar);
-        Self { start: entry, length: segment.length, alive: segment.alive, ..local }
+        Self {
+            start: entry,
+            length: segment.length,
+            alive: segment.alive,
+            ..local
+        }
     }
 
     #[inline(always)]
@@ -126,7 +131,10 @@ impl<V: Real> Segment<V> {
             let m = next(next(k));
             let tilt = V::splat(side.tilt);
             let guard = guard(patch, k, distance);
-            keep(self.b[m] - tilt * self.z + guard, self.b_rate[m] - tilt * self.z_rate);
+            keep(
+                self.b[m] - tilt * self.z + guard,
+                self.b_rate[m] - tilt * self.z_rate,
+            );
         }
         // A flat triangle's slab has no thickness: there the crossing of its plane decides.
         if patch.rule != Rule::Flat {
