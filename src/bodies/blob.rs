@@ -13,6 +13,9 @@ const REACH: f64 = 1.6;
 /// The level at which the sum of the balls' fields is the surface.
 const LEVEL: f64 = 0.3;
 
+/// How many balls there are: enough to make necks, dents and handles.
+const BALLS: usize = 14;
+
 /// How far the lattice's points are moved, in cells. Cubes and the tetrahedra in them stay what they
 /// are up to a fifth.
 const JITTER: f64 = 0.2;
@@ -20,11 +23,11 @@ const JITTER: f64 = 0.2;
 /// A closed implicit surface of a few soft balls, cut by marching tetrahedra over an irregular
 /// lattice, with its true normals: irregular triangles of all shapes, slivers among them.
 ///
-/// It lies around the origin with a radius of about 1.
+/// It lies around the origin with a radius of about 1, and may be more than one piece.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blob {
     /// How many lattice cells there are along each axis, at least 4. There are about
-    /// 13 triangles per cell of one face of the lattice.
+    /// 12 triangles per cell of one face of the lattice.
     pub cells: usize,
     /// Which blob: its balls and its lattice.
     pub seed: u64,
@@ -92,10 +95,10 @@ impl Field {
     fn new(random: &mut SplitMix) -> Field {
         let mut between = |low, high| random.between(low, high);
         Field(
-            (0..5)
+            (0..BALLS)
                 .map(|_| {
-                    let centre = [(); 3].map(|()| between(-0.5, 0.5));
-                    (centre.into(), between(0.3, 0.5))
+                    let centre = [(); 3].map(|()| between(-0.8, 0.8));
+                    (centre.into(), between(0.25, 0.42))
                 })
                 .collect(),
         )
@@ -146,7 +149,7 @@ impl March<'_> {
     fn new(blob: &Blob) -> March<'_> {
         let mut random = SplitMix::new(blob.seed);
         let field = Field::new(&mut random);
-        // Two thirds up: through the upper part of the balls.
+        // A little above the middle, through most balls.
         let lid = blob.rim.then_some((blob.cells * 3 / 5) as i32);
         let side = blob.cells as i32 + 1;
         let cell = 2.0 * REACH / blob.cells as f64;
