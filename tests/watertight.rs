@@ -2,9 +2,8 @@
 
 mod support;
 
-use support::{lost_rays, odd_rays};
 use curvetri::surface::Surface;
-
+use support::{lost_rays, odd_rays};
 
 /// Share of rays that may be lost: what Embree's own watertight test allows.
 const MAX_LOST: f64 = 2e-5;
@@ -17,8 +16,16 @@ fn no_ray_from_inside_is_lost() {
         for surface in Surface::ALL {
             let traced = body.traced(surface);
             let lost = lost_rays(&traced, 100_000);
-            println!("{} {surface:?}: lost {lost:?}, {:?}", traced.name, traced.curved.kinds());
-            assert!(lost.share() <= MAX_LOST, "{} {surface:?}: {lost:?}", traced.name);
+            println!(
+                "{} {surface:?}: lost {lost:?}, {:?}",
+                traced.name,
+                traced.curved.kinds()
+            );
+            assert!(
+                lost.share() <= MAX_LOST,
+                "{} {surface:?}: {lost:?}",
+                traced.name
+            );
         }
     }
 }
@@ -30,7 +37,11 @@ fn rays_from_outside_cross_evenly_and_alternately() {
             let traced = body.traced(surface);
             let odd = odd_rays(&traced, 100_000);
             println!("{} {surface:?}: odd {odd:?}", traced.name);
-            assert!(1.0 - odd.share() >= MIN_EVEN, "{} {surface:?}: {odd:?}", traced.name);
+            assert!(
+                1.0 - odd.share() >= MIN_EVEN,
+                "{} {surface:?}: {odd:?}",
+                traced.name
+            );
         }
     }
 }

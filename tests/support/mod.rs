@@ -38,7 +38,11 @@ impl Random {
     }
     pub fn barycentric(&mut self) -> [f32; 3] {
         let (u, v) = (self.unit(), self.unit());
-        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        let (u, v) = if u + v > 1.0 {
+            (1.0 - u, 1.0 - v)
+        } else {
+            (u, v)
+        };
         [1.0 - u - v, u, v]
     }
 }
@@ -66,11 +70,19 @@ impl Body {
         let device = Device::new().expect("Embree is installed");
         let options = CurvedOptions { surface, solver };
         let curved = Arc::new(CurvedMesh::new(self.mesh.clone(), &options));
-        let scene = alone(&device, Geometry::user(&device, curved.clone()).unwrap().commit());
+        let scene = alone(
+            &device,
+            Geometry::user(&device, curved.clone()).unwrap().commit(),
+        );
         let mesh = &self.mesh;
         let flat = Geometry::triangles(&device, mesh.positions(), mesh.triangles()).unwrap();
         let flat = alone(&device, flat.commit());
-        Traced { name: self.name.clone(), curved, scene, flat }
+        Traced {
+            name: self.name.clone(),
+            curved,
+            scene,
+            flat,
+        }
     }
 }
 
@@ -91,7 +103,10 @@ pub fn real_meshes(names: &[&str]) -> Vec<Body> {
         let path = folder.join(name);
         if path.exists() {
             let mesh = Arc::new(load(&path, &LoadOptions::default()).unwrap().mesh);
-            bodies.push(Body { name: name.to_owned(), mesh });
+            bodies.push(Body {
+                name: name.to_owned(),
+                mesh,
+            });
         } else {
             println!("skipped, because {} does not exist", path.display());
         }
@@ -101,12 +116,20 @@ pub fn real_meshes(names: &[&str]) -> Vec<Body> {
 
 /// Every closed body there is: made by the repo's own programs, and real ones.
 pub fn closed_bodies() -> Vec<Body> {
-    let real = ["spot/spot_triangulated.obj", "bunny_2k.obj", "armadillo_29k.obj"];
+    let real = [
+        "spot/spot_triangulated.obj",
+        "bunny_2k.obj",
+        "armadillo_29k.obj",
+    ];
     let mut bodies = real_meshes(&real);
     bodies.retain(|body| {
         let closed = Topology::new(&body.mesh).counts().is_closed();
         if !closed {
-            println!("skipped, because it is not closed: {} {:?}", body.name, Topology::new(&body.mesh).counts());
+            println!(
+                "skipped, because it is not closed: {} {:?}",
+                body.name,
+                Topology::new(&body.mesh).counts()
+            );
         }
         closed
     });
@@ -124,7 +147,11 @@ pub struct Tally {
 
 impl Tally {
     pub fn new() -> Self {
-        Self { failed: 0, total: 0, example: None }
+        Self {
+            failed: 0,
+            total: 0,
+            example: None,
+        }
     }
     pub fn add(&mut self, ray: Ray, failed: bool) {
         self.total += 1;
@@ -151,9 +178,17 @@ pub fn all_hits(traced: &Traced, ray: &Ray) -> Vec<curvetri::embree::Hit> {
     while let Some(hit) = first_hit(&traced.scene, &rest) {
         hits.push(hit);
         let bound = traced.curved.error_bound(hit.prim_id, ray, hit.t);
-        let slope = hit.ng.dot(ray.direction).abs().max(1e-3 * ray.direction.length());
+        let slope = hit
+            .ng
+            .dot(ray.direction)
+            .abs()
+            .max(1e-3 * ray.direction.length());
         rest.tnear = hit.t + bound / slope;
-        assert!(hits.len() < 1000, "{}: a ray never ends: {ray:?}", traced.name);
+        assert!(
+            hits.len() < 1000,
+            "{}: a ray never ends: {ray:?}",
+            traced.name
+        );
     }
     hits
 }
@@ -161,7 +196,10 @@ pub fn all_hits(traced: &Traced, ray: &Ray) -> Vec<curvetri::embree::Hit> {
 /// A point well inside a closed body: rays from it cross the flat triangles an odd number of times.
 fn inside_point(traced: &Traced, random: &mut Random) -> Vec3 {
     let bounds = traced.scene.bounds();
-    let (centre, half) = ((bounds.lower + bounds.upper) * 0.5, (bounds.upper - bounds.lower) * 0.5);
+    let (centre, half) = (
+        (bounds.lower + bounds.upper) * 0.5,
+        (bounds.upper - bounds.lower) * 0.5,
+    );
     loop {
         let point = centre + half * random.in_cube();
         let clear = half.max_element() * 0.03;
@@ -221,14 +259,19 @@ pub fn odd_rays(traced: &Traced, count: usize) -> Tally {
     let mut random = Random(11);
     let mut tally = Tally::new();
     let bounds = traced.scene.bounds();
-    let (centre, half) = ((bounds.lower + bounds.upper) * 0.5, (bounds.upper - bounds.lower) * 0.5);
+    let (centre, half) = (
+        (bounds.lower + bounds.upper) * 0.5,
+        (bounds.upper - bounds.lower) * 0.5,
+    );
     for _ in 0..count {
         let target = centre + half * random.in_cube();
         let direction = random.direction();
         let ray = Ray::new(target - direction * (half.length() * 3.0), direction);
         let hits = all_hits(traced, &ray);
-        let alternate =
-            hits.iter().enumerate().all(|(n, hit)| (hit.ng.dot(direction) < 0.0) == (n % 2 == 0));
+        let alternate = hits
+            .iter()
+            .enumerate()
+            .all(|(n, hit)| (hit.ng.dot(direction) < 0.0) == (n % 2 == 0));
         tally.add(ray, hits.len() % 2 == 1 || !alternate);
     }
     tally
