@@ -34,8 +34,11 @@ impl Console {
     /// A bar for work of this length, shown on a terminal only.
     pub fn progress(&self, what: &'static str, length: u64) -> ProgressBar {
         let shown = !self.quiet && io::stderr().is_terminal();
-        let target =
-            if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let target = if shown {
+            ProgressDrawTarget::stderr()
+        } else {
+            ProgressDrawTarget::hidden()
+        };
         let style = "{msg:10} {wide_bar} {percent:>3} % {eta:>4}";
         ProgressBar::with_draw_target(Some(length), target)
             .with_style(ProgressStyle::with_template(style).expect("a fixed template"))
@@ -45,7 +48,9 @@ impl Console {
     /// A sign of life for work of unknown length, shown on a terminal only.
     pub fn spinner(&self, what: &'static str) -> ProgressBar {
         let bar = self.progress(what, 0);
-        bar.set_style(ProgressStyle::with_template("{msg:10} {spinner}").expect("a fixed template"));
+        bar.set_style(
+            ProgressStyle::with_template("{msg:10} {spinner}").expect("a fixed template"),
+        );
         if !bar.is_hidden() {
             bar.enable_steady_tick(Duration::from_millis(100));
         }

@@ -21,7 +21,11 @@ use curvetri::embree::Device;
 
 /// Ray-traces triangle meshes with vertex normals as the smooth curved surfaces they stand for.
 #[derive(Parser)]
-#[command(name = "curvetri", disable_version_flag = true, arg_required_else_help = true)]
+#[command(
+    name = "curvetri",
+    disable_version_flag = true,
+    arg_required_else_help = true
+)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -109,7 +113,9 @@ fn on_threads<T: Send>(
     work: impl FnOnce() -> Result<T> + Send,
 ) -> Result<T> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
-    pool.build().context("cannot start the threads")?.install(work)
+    pool.build()
+        .context("cannot start the threads")?
+        .install(work)
 }
 
 /// Prints what the parser found wrong, or the help that was asked for.
@@ -121,7 +127,11 @@ fn refused(error: &clap::Error) -> ExitCode {
             Err(error) => failed(&error),
         };
     }
-    let name = if text.to_string().starts_with("error: ") { "curvetri: " } else { "" };
+    let name = if text.to_string().starts_with("error: ") {
+        "curvetri: "
+    } else {
+        ""
+    };
     let _ = write!(io::stderr(), "{name}{text}");
     ExitCode::from(2)
 }
@@ -134,7 +144,10 @@ fn failed(error: &anyhow::Error) -> ExitCode {
     let _ = writeln!(io::stderr(), "curvetri: error: {}", chain(error));
     if error.is::<Usage>() {
         let usage = Cli::command().render_usage();
-        let _ = writeln!(io::stderr(), "\n{usage}\n\nFor more information, try '--help'.");
+        let _ = writeln!(
+            io::stderr(),
+            "\n{usage}\n\nFor more information, try '--help'."
+        );
         return ExitCode::from(2);
     }
     ExitCode::FAILURE
@@ -155,7 +168,9 @@ fn chain(error: &anyhow::Error) -> String {
 
 /// A panic is a fault of this program: one line of what to report, not a trace.
 fn report_panic(info: &panic::PanicHookInfo<'_>) {
-    let place = info.location().map_or_else(String::new, |at| format!(" at {at}"));
+    let place = info
+        .location()
+        .map_or_else(String::new, |at| format!(" at {at}"));
     let what = info.payload_as_str().unwrap_or("unknown");
     let _ = writeln!(
         io::stderr(),

@@ -137,7 +137,11 @@ enum UpChoice {
 pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let form = args.surface.form()?;
     let size = args.size()?;
-    if !args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+    if !args
+        .output
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("png"))
+    {
         return usage(format!("{} does not end in .png", args.output.display()));
     }
     if args.view.eye.is_some() && args.view.eye == args.view.target {
@@ -146,8 +150,11 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let device = device(args.threads)?;
     let (film, stats) = on_threads(args.threads, || {
         let start = Instant::now();
-        let meshes: Result<Vec<Mesh>> =
-            args.meshes.iter().map(|path| args.surface.load(path, console)).collect();
+        let meshes: Result<Vec<Mesh>> = args
+            .meshes
+            .iter()
+            .map(|path| args.surface.load(path, console))
+            .collect();
         let (meshes, load) = (meshes?, start.elapsed());
         let output = OutputFile::create(&args.output)?;
         let bar = console.spinner("building");
@@ -189,10 +196,17 @@ impl RenderArgs {
             camera: self.view.camera(scene, width as f64 / height as f64),
             lighting: self.light.lighting(self.view.up_axis.axis()),
             albedo: self.light.albedo,
-            ground: if self.light.ground { Ground::Plane } else { Ground::None },
+            ground: if self.light.ground {
+                Ground::Plane
+            } else {
+                Ground::None
+            },
         };
         let camera = &picture.camera;
-        console.note(&format!("camera at {}, towards {}", camera.eye, camera.target));
+        console.note(&format!(
+            "camera at {}, towards {}",
+            camera.eye, camera.target
+        ));
         let bar = console.progress("rendering", 0);
         let result = render(scene, &picture, &|_, tiles| {
             bar.set_length(tiles as u64);
@@ -251,7 +265,11 @@ impl LightArgs {
     }
 
     fn background(&self) -> Background {
-        if self.transparent { Background::Transparent } else { Background::default() }
+        if self.transparent {
+            Background::Transparent
+        } else {
+            Background::default()
+        }
     }
 }
 

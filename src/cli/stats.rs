@@ -13,21 +13,40 @@ pub fn text(stats: &RenderStats, device: &Device) -> String {
     let mut line = |name: &str, value: String| {
         let _ = writeln!(text, "{name:10} {value}");
     };
-    let kinds = stats.triangles.named().into_iter().filter(|(_, count)| *count > 0);
-    let kinds: Vec<String> = kinds.map(|(name, count)| format!("{count} {name}")).collect();
+    let kinds = stats
+        .triangles
+        .named()
+        .into_iter()
+        .filter(|(_, count)| *count > 0);
+    let kinds: Vec<String> = kinds
+        .map(|(name, count)| format!("{count} {name}"))
+        .collect();
     let total = stats.triangles.total();
-    line("triangles", format!("{total} ({})", kinds.join(", ").replace('_', " ")));
+    line(
+        "triangles",
+        format!("{total} ({})", kinds.join(", ").replace('_', " ")),
+    );
     let [load, curve, build, render] = named_times(stats).map(|(_, time)| time.as_secs_f64());
     line(
         "time",
         format!("{load:.3} s load, {curve:.3} s curve, {build:.3} s build, {render:.3} s render"),
     );
-    let memory = named_memory(stats).map(|(name, bytes)| format!("{:.1} MB {name}", megabytes(bytes)));
+    let memory =
+        named_memory(stats).map(|(name, bytes)| format!("{:.1} MB {name}", megabytes(bytes)));
     line("memory", memory.join(", "));
     let (rays, speed) = (stats.rays, stats.mray_per_second());
-    line("rays", format!("{} primary, {} shadow, {speed:.2} Mray/s", rays.primary, rays.shadow));
+    line(
+        "rays",
+        format!(
+            "{} primary, {} shadow, {speed:.2} Mray/s",
+            rays.primary, rays.shadow
+        ),
+    );
     let (calls, evaluations) = (stats.calls_per_ray(), stats.evaluations_per_call());
-    line("kernel", format!("{calls:.2} calls a ray, {evaluations:.2} evaluations a call"));
+    line(
+        "kernel",
+        format!("{calls:.2} calls a ray, {evaluations:.2} evaluations a call"),
+    );
     line("Embree", format!("{} ({})", device.version(), device.isa()));
     text
 }
@@ -73,7 +92,11 @@ fn named_times(stats: &RenderStats) -> [(&'static str, Duration); 4] {
 
 fn named_memory(stats: &RenderStats) -> [(&'static str, u64); 3] {
     let memory = stats.memory;
-    [("mesh", memory.mesh), ("records", memory.records), ("embree", memory.embree)]
+    [
+        ("mesh", memory.mesh),
+        ("records", memory.records),
+        ("embree", memory.embree),
+    ]
 }
 
 fn megabytes(bytes: u64) -> f64 {

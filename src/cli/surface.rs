@@ -57,7 +57,9 @@ impl SurfaceArgs {
         let ita = self.ita_bits.is_some() || self.ita_step.is_some();
         let surface = match self.surface {
             SurfaceChoice::Flat if ita => {
-                return usage("--ita-bits and --ita-step are for curved surfaces, not for flat ones");
+                return usage(
+                    "--ita-bits and --ita-step are for curved surfaces, not for flat ones",
+                );
             }
             SurfaceChoice::Flat => return Ok(Form::Flat),
             SurfaceChoice::Angular => Surface::Angular,
@@ -77,7 +79,9 @@ impl SurfaceArgs {
 
     /// Reads a mesh and tells what was odd about it.
     pub fn load(&self, path: &Path, console: &Console) -> Result<Mesh> {
-        let options = LoadOptions { crease_angle_degrees: self.crease_angle };
+        let options = LoadOptions {
+            crease_angle_degrees: self.crease_angle,
+        };
         let bar = console.spinner("reading");
         let loaded = mesh::load(path, &options).context("no mesh to work on")?;
         bar.finish_and_clear();

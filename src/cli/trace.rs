@@ -145,10 +145,18 @@ impl RayTable {
         }
         let by_column = header.order() == Order::Fortran;
         let npy = NpyFile::with_header(header, rest);
-        let values =
-            if size == 4 { Values::Single(npy.into_vec()?) } else { Values::Double(npy.into_vec()?) };
+        let values = if size == 4 {
+            Values::Single(npy.into_vec()?)
+        } else {
+            Values::Double(npy.into_vec()?)
+        };
         let [rows, columns] = [rows, columns].map(|n| n as usize);
-        Ok(Self { rows, columns, by_column, values })
+        Ok(Self {
+            rows,
+            columns,
+            by_column,
+            values,
+        })
     }
 
     fn ray(&self, row: usize) -> UserRay {
@@ -164,9 +172,17 @@ impl RayTable {
             }
         };
         let vector = |first: usize| DVec3::new(value(first), value(first + 1), value(first + 2));
-        let (tnear, tfar) =
-            if self.columns == 8 { (value(6), value(7)) } else { (0.0, f64::INFINITY) };
-        UserRay { origin: vector(0), direction: vector(3), tnear, tfar }
+        let (tnear, tfar) = if self.columns == 8 {
+            (value(6), value(7))
+        } else {
+            (0.0, f64::INFINITY)
+        };
+        UserRay {
+            origin: vector(0),
+            direction: vector(3),
+            tnear,
+            tfar,
+        }
     }
 }
 
@@ -199,7 +215,11 @@ fn add<T: AutoSerialize + Copy>(
         .compression_method(CompressionMethod::Stored)
         .last_modified_time(Default::default())
         .large_file(size_of_val(values) as u64 >= u64::from(u32::MAX) - (1 << 16));
-    let mut array = npz.array(name, options)?.default_dtype().shape(shape).begin_nd()?;
+    let mut array = npz
+        .array(name, options)?
+        .default_dtype()
+        .shape(shape)
+        .begin_nd()?;
     array.extend(values.iter().copied())?;
     array.finish()
 }

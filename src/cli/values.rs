@@ -18,7 +18,11 @@ pub fn size(text: &str) -> Result<[usize; 2], String> {
 pub fn side(text: &str) -> Result<usize, String> {
     match text.trim().parse() {
         Ok(pixels) if SIDE.contains(&pixels) => Ok(pixels),
-        _ => Err(format!("a picture's side has {} to {} pixels", SIDE.start(), SIDE.end())),
+        _ => Err(format!(
+            "a picture's side has {} to {} pixels",
+            SIDE.start(),
+            SIDE.end()
+        )),
     }
 }
 
@@ -111,7 +115,9 @@ mod tests {
     #[test]
     fn sizes_are_two_numbers_within_reason() {
         assert_eq!(size("1280x720"), Ok([1280, 720]));
-        for wrong in ["", "1280", "0x7", "7x0", "-1x7", "7x", "1e3x7", "7x70000", "7x7x7"] {
+        for wrong in [
+            "", "1280", "0x7", "7x0", "-1x7", "7x", "1e3x7", "7x70000", "7x7x7",
+        ] {
             assert!(size(wrong).is_err(), "{wrong}");
         }
     }
@@ -128,10 +134,30 @@ mod tests {
     #[test]
     fn angles_and_shares_have_their_ranges() {
         assert_eq!(fov("40"), Ok(40.0));
-        assert!(["0", "-3", "180", "nan"].into_iter().all(|wrong| fov(wrong).is_err()));
-        assert!(["-1", "181", "NaN"].into_iter().all(|wrong| crease(wrong).is_err()));
-        assert!(["-0.1", "1.1", "inf"].into_iter().all(|wrong| share(wrong).is_err()));
-        assert!(["0", "-1", "2000", "x"].into_iter().all(|wrong| threads(wrong).is_err()));
-        assert!(["25", "-25", "x"].into_iter().all(|wrong| stops(wrong).is_err()));
+        assert!(
+            ["0", "-3", "180", "nan"]
+                .into_iter()
+                .all(|wrong| fov(wrong).is_err())
+        );
+        assert!(
+            ["-1", "181", "NaN"]
+                .into_iter()
+                .all(|wrong| crease(wrong).is_err())
+        );
+        assert!(
+            ["-0.1", "1.1", "inf"]
+                .into_iter()
+                .all(|wrong| share(wrong).is_err())
+        );
+        assert!(
+            ["0", "-1", "2000", "x"]
+                .into_iter()
+                .all(|wrong| threads(wrong).is_err())
+        );
+        assert!(
+            ["25", "-25", "x"]
+                .into_iter()
+                .all(|wrong| stops(wrong).is_err())
+        );
     }
 }

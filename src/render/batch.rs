@@ -70,20 +70,17 @@ pub fn answer_rays(
         uv: vec![[0.0; 2]; count],
         ng: vec![[0.0; 3]; count],
     };
-    answers
-        .chunks()
-        .enumerate()
-        .for_each(|(n, mut chunk)| {
-            let _flush = flush_denormals();
-            let ray = |i: usize| ray(n * CHUNK + i).localized(scene.origin());
-            match width {
-                PacketWidth::One => chunk.answer::<1>(scene, &ray),
-                PacketWidth::Four => chunk.answer::<4>(scene, &ray),
-                PacketWidth::Eight => chunk.answer::<8>(scene, &ray),
-                PacketWidth::Sixteen => chunk.answer::<16>(scene, &ray),
-            }
-            progress(chunk.t.len());
-        });
+    answers.chunks().enumerate().for_each(|(n, mut chunk)| {
+        let _flush = flush_denormals();
+        let ray = |i: usize| ray(n * CHUNK + i).localized(scene.origin());
+        match width {
+            PacketWidth::One => chunk.answer::<1>(scene, &ray),
+            PacketWidth::Four => chunk.answer::<4>(scene, &ray),
+            PacketWidth::Eight => chunk.answer::<8>(scene, &ray),
+            PacketWidth::Sixteen => chunk.answer::<16>(scene, &ray),
+        }
+        progress(chunk.t.len());
+    });
     answers
 }
 
@@ -128,7 +125,9 @@ impl Chunk<'_> {
             for lane in 0..lanes {
                 packet.set_ray(lane, &ray(first + lane));
             }
-            scene.tree().intersect(&mut packet, &QueryOptions::INCOHERENT);
+            scene
+                .tree()
+                .intersect(&mut packet, &QueryOptions::INCOHERENT);
             for lane in 0..lanes {
                 if let Some(hit) = packet.hit(lane) {
                     let i = first + lane;

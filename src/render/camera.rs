@@ -89,7 +89,12 @@ impl Camera {
         let smallest = f64::from(f32::EPSILON) * target.abs().max_element();
         let radius = (0.5 * bounds.diagonal()).max(smallest).max(1e-30);
         let distance = (1.0 + MARGIN) * radius / half_angle.sin();
-        Self { eye: target + distance * towards_eye, target, up: up.vector(), fov_degrees }
+        Self {
+            eye: target + distance * towards_eye,
+            target,
+            up: up.vector(),
+            fov_degrees,
+        }
     }
 
     /// Prepares the camera for a picture's size, in the space relative to `origin`.
@@ -146,7 +151,10 @@ impl Lens {
     /// The ray through a point of the picture: in pixels from the upper left corner. Its direction
     /// is of unit length.
     pub fn ray(&self, x: f32, y: f32) -> Ray {
-        Ray::new(self.eye, (self.corner + x * self.across + y * self.down).normalize())
+        Ray::new(
+            self.eye,
+            (self.corner + x * self.across + y * self.down).normalize(),
+        )
     }
 }
 
@@ -155,7 +163,10 @@ mod tests {
     use super::*;
 
     fn bounds() -> Bounds {
-        Bounds { min: DVec3::new(1.0, 2.0, 3.0), max: DVec3::new(2.0, 4.0, 6.0) }
+        Bounds {
+            min: DVec3::new(1.0, 2.0, 3.0),
+            max: DVec3::new(2.0, 4.0, 6.0),
+        }
     }
 
     #[test]
@@ -172,7 +183,10 @@ mod tests {
         assert!((middle.direction - Vec3::NEG_Z).length() < 1e-6);
         assert!(lens.ray(150.0, 50.0).direction.x > 0.4);
         let top = lens.ray(100.0, 0.0).direction;
-        assert!((top.y + top.z).abs() < 1e-6 && top.y > 0.0, "45 degrees up: {top}");
+        assert!(
+            (top.y + top.z).abs() < 1e-6 && top.y > 0.0,
+            "45 degrees up: {top}"
+        );
     }
 
     #[test]
@@ -185,11 +199,8 @@ mod tests {
                 for corner in 0..8 {
                     let pick = |axis: usize| corner >> axis & 1 == 1;
                     let Bounds { min, max } = bounds();
-                    let corner = DVec3::select(
-                        glam::BVec3::new(pick(0), pick(1), pick(2)),
-                        min,
-                        max,
-                    );
+                    let corner =
+                        DVec3::select(glam::BVec3::new(pick(0), pick(1), pick(2)), min, max);
                     let [x, y] = seen_at(&lens, corner.as_vec3());
                     assert!((0.0..width as f32).contains(&x), "{x} of {width}");
                     assert!((0.0..height as f32).contains(&y), "{y} of {height}");
@@ -223,11 +234,29 @@ mod tests {
     fn a_camera_that_sees_nothing_is_refused() {
         let camera = Camera::framing(&bounds(), UpAxis::Y, 35.0, 1.0);
         let refused = |camera: Camera| camera.lens(DVec3::ZERO, 9, 9).unwrap_err();
-        let same = Camera { target: camera.eye, ..camera };
+        let same = Camera {
+            target: camera.eye,
+            ..camera
+        };
         assert_eq!(refused(same), CameraError::NoDirection(camera.eye));
-        assert_eq!(refused(Camera { up: DVec3::ZERO, ..camera }), CameraError::NotFinite);
+        assert_eq!(
+            refused(Camera {
+                up: DVec3::ZERO,
+                ..camera
+            }),
+            CameraError::NotFinite
+        );
         let nan = DVec3::new(f64::NAN, 0.0, 0.0);
-        assert_eq!(refused(Camera { eye: nan, ..camera }), CameraError::NotFinite);
-        assert_eq!(refused(Camera { fov_degrees: 180.0, ..camera }), CameraError::Fov(180.0));
+        assert_eq!(
+            refused(Camera { eye: nan, ..camera }),
+            CameraError::NotFinite
+        );
+        assert_eq!(
+            refused(Camera {
+                fov_degrees: 180.0,
+                ..camera
+            }),
+            CameraError::Fov(180.0)
+        );
     }
 }

@@ -51,7 +51,11 @@ impl Direct<'_> {
         let active = packet.active();
         self.scene.tree().intersect(packet, &QueryOptions::COHERENT);
         let seen: [Option<Seen>; LANES] = std::array::from_fn(|lane| {
-            if active & 1 << lane != 0 { self.seen(packet, lane) } else { None }
+            if active & 1 << lane != 0 {
+                self.seen(packet, lane)
+            } else {
+                None
+            }
         });
         let mut shadows = RayPacket::<LANES>::new();
         for (lane, seen) in seen.iter().enumerate() {
@@ -62,7 +66,10 @@ impl Direct<'_> {
         rays.primary += u64::from(active.count_ones());
         rays.shadow += u64::from(shadows.active().count_ones());
         let sunlit = shadows.active();
-        let dark = self.scene.tree().occluded(&mut shadows, &QueryOptions::COHERENT);
+        let dark = self
+            .scene
+            .tree()
+            .occluded(&mut shadows, &QueryOptions::COHERENT);
         let sunlit = sunlit & !dark;
         std::array::from_fn(|lane| match &seen[lane] {
             Some(seen) => self.lit(seen, sunlit & 1 << lane != 0),
@@ -76,7 +83,11 @@ impl Direct<'_> {
 
     fn lit(&self, seen: &Seen, sunlit: bool) -> Vec4 {
         let sky = self.lighting.sky.on(seen.normal);
-        let sun = if sunlit { self.lighting.sun * self.towards_sun(seen) } else { Vec3::ZERO };
+        let sun = if sunlit {
+            self.lighting.sun * self.towards_sun(seen)
+        } else {
+            Vec3::ZERO
+        };
         (seen.coverage * self.albedo * (sky + sun)).extend(seen.coverage)
     }
 
@@ -90,9 +101,17 @@ impl Direct<'_> {
             return Some(ground);
         }
         let unit = hit.ng.normalize_or_zero();
-        let normal = if unit.dot(ray.direction) > 0.0 { -unit } else { unit };
+        let normal = if unit.dot(ray.direction) > 0.0 {
+            -unit
+        } else {
+            unit
+        };
         let off = self.scene.error_bound(&hit, &ray);
-        Some(Seen { start: ray.at(hit.t) + off * normal, normal, coverage: 1.0 })
+        Some(Seen {
+            start: ray.at(hit.t) + off * normal,
+            normal,
+            coverage: 1.0,
+        })
     }
 
     /// The ground, where it is before `tfar` and not faded away.
@@ -109,7 +128,11 @@ impl Direct<'_> {
         let coverage = 1.0 - faded * faded * (3.0 - 2.0 * faded);
         let normal = if above > 0.0 { ground.up } else { -ground.up };
         let off = rounding(reach(ray, t).max(ground.height.abs()));
-        let seen = Seen { start: ray.at(t) + off * normal, normal, coverage };
+        let seen = Seen {
+            start: ray.at(t) + off * normal,
+            normal,
+            coverage,
+        };
         (coverage > 0.0).then_some(seen)
     }
 }

@@ -31,14 +31,21 @@ pub enum Background {
 
 impl Default for Background {
     fn default() -> Self {
-        Self::Gradient { top: Vec3::new(0.48, 0.55, 0.66), bottom: Vec3::new(0.80, 0.82, 0.84) }
+        Self::Gradient {
+            top: Vec3::new(0.48, 0.55, 0.66),
+            bottom: Vec3::new(0.80, 0.82, 0.84),
+        }
     }
 }
 
 impl Film {
     /// A film on which nothing was seen.
     pub fn new(width: usize, height: usize) -> Self {
-        Self { width, height, pixels: vec![Vec4::ZERO; width * height] }
+        Self {
+            width,
+            height,
+            pixels: vec![Vec4::ZERO; width * height],
+        }
     }
 
     /// Pixels in a row.
@@ -108,7 +115,11 @@ impl Film {
     fn with_alpha(&self, gain: f32) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(4 * self.pixels.len());
         for pixel in &self.pixels {
-            let light = if pixel.w > 0.0 { gain / pixel.w * pixel.truncate() } else { Vec3::ZERO };
+            let light = if pixel.w > 0.0 {
+                gain / pixel.w * pixel.truncate()
+            } else {
+                Vec3::ZERO
+            };
             bytes.extend(light.to_array().map(srgb));
             bytes.push((255.0 * pixel.w).round() as u8);
         }
@@ -119,8 +130,11 @@ impl Film {
 /// Linear light as an 8-bit sRGB value (IEC 61966-2-1).
 fn srgb(light: f32) -> u8 {
     let light = light.clamp(0.0, 1.0);
-    let value =
-        if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
+    let value = if light <= 0.003_130_8 {
+        12.92 * light
+    } else {
+        1.055 * light.powf(1.0 / 2.4) - 0.055
+    };
     (255.0 * value).round() as u8
 }
 
@@ -146,9 +160,20 @@ mod tests {
         let mut film = Film::new(3, 2);
         film.paste([1, 0], 4, &[Vec4::new(0.25, 0.0, 0.0, 0.5); 16]);
         let grey = Vec3::splat(0.5);
-        let image = read(&film, Background::Gradient { top: grey, bottom: grey }, 1.0).into_rgb8();
+        let image = read(
+            &film,
+            Background::Gradient {
+                top: grey,
+                bottom: grey,
+            },
+            1.0,
+        )
+        .into_rgb8();
         assert_eq!(image.get_pixel(0, 1).0, [srgb(0.5); 3]);
-        assert_eq!(image.get_pixel(2, 1).0, [srgb(0.75), srgb(0.25), srgb(0.25)]);
+        assert_eq!(
+            image.get_pixel(2, 1).0,
+            [srgb(0.75), srgb(0.25), srgb(0.25)]
+        );
     }
 
     #[test]

@@ -39,8 +39,14 @@ impl OutputFile {
     /// If the directory does not exist or cannot be written to, or the path is a directory.
     pub fn create(path: impl AsRef<Path>) -> Result<Self, OutputError> {
         let path = path.as_ref();
-        let sink = Sink::open(path).map_err(|source| OutputError { path: path.into(), source })?;
-        Ok(Self { path: path.into(), writer: BufWriter::new(sink) })
+        let sink = Sink::open(path).map_err(|source| OutputError {
+            path: path.into(),
+            source,
+        })?;
+        Ok(Self {
+            path: path.into(),
+            writer: BufWriter::new(sink),
+        })
     }
 
     /// Writes the content and puts the file in its place.
@@ -52,9 +58,16 @@ impl OutputFile {
         W: FnOnce(&mut dyn WriteSeek) -> io::Result<()>,
     {
         write(&mut self.writer)
-            .and_then(|()| self.writer.into_inner().map_err(io::IntoInnerError::into_error))
+            .and_then(|()| {
+                self.writer
+                    .into_inner()
+                    .map_err(io::IntoInnerError::into_error)
+            })
             .and_then(Sink::close)
-            .map_err(|source| OutputError { path: self.path, source })
+            .map_err(|source| OutputError {
+                path: self.path,
+                source,
+            })
     }
 }
 
@@ -136,7 +149,9 @@ mod tests {
 
     fn names(directory: &Path) -> Vec<String> {
         let entries = fs::read_dir(directory).unwrap();
-        entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect()
+        entries
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect()
     }
 
     #[test]
@@ -162,7 +177,10 @@ mod tests {
                 Err(io::Error::other("no more"))
             })
             .unwrap_err();
-        assert_eq!(error.to_string(), format!("cannot write {}: no more", path.display()));
+        assert_eq!(
+            error.to_string(),
+            format!("cannot write {}: no more", path.display())
+        );
         assert_eq!(fs::read(&path).unwrap(), b"old");
         drop(OutputFile::create(&path).unwrap());
         assert_eq!(names(directory.path()), ["a.txt"]);
@@ -186,11 +204,17 @@ mod tests {
         File::create(&path).unwrap();
         let usual = fs::metadata(&path).unwrap().permissions().mode();
         std::os::unix::fs::symlink(&path, &link).unwrap();
-        OutputFile::create(&link).unwrap().finish(|out| out.write_all(b"x")).unwrap();
+        OutputFile::create(&link)
+            .unwrap()
+            .finish(|out| out.write_all(b"x"))
+            .unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read(&path).unwrap(), b"x");
         assert_eq!(fs::metadata(&path).unwrap().permissions().mode(), usual);
-        OutputFile::create("/dev/null").unwrap().finish(|out| out.write_all(b"x")).unwrap();
+        OutputFile::create("/dev/null")
+            .unwrap()
+            .finish(|out| out.write_all(b"x"))
+            .unwrap();
         assert!(!fs::metadata("/dev/null").unwrap().is_file());
     }
 }

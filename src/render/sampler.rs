@@ -15,7 +15,9 @@ impl PixelSampler {
     /// The sequence of the pixel at column `x` and row `y`.
     pub fn new(x: u32, y: u32) -> Self {
         let first = mix(x ^ mix(y));
-        Self { start: [first, mix(first ^ 0x9e37_79b9)] }
+        Self {
+            start: [first, mix(first ^ 0x9e37_79b9)],
+        }
     }
 
     /// Sample `index` within the pixel, each coordinate in [0, 1).
@@ -48,7 +50,10 @@ mod tests {
                 assert!((0.0..1.0).contains(&x) && (0.0..1.0).contains(&y));
                 counts[usize::from(x >= 0.5) + 2 * usize::from(y >= 0.5)] += 1;
             }
-            assert!(counts.iter().all(|count| (2..=6).contains(count)), "{counts:?}");
+            assert!(
+                counts.iter().all(|count| (2..=6).contains(count)),
+                "{counts:?}"
+            );
         }
     }
 

@@ -273,12 +273,18 @@ mod tests {
         let far = DVec3::new(3e6, -2e6, 5e5);
         for form in [Form::Flat, curved()] {
             let meshes = vec![square(far), square(far + DVec3::new(5.0, 0.0, 2.0))];
-            assert_ne!(meshes[0].origin(), meshes[1].origin(), "the test needs two origins");
+            assert_ne!(
+                meshes[0].origin(),
+                meshes[1].origin(),
+                "the test needs two origins"
+            );
             let scene = Scene::new(&device, meshes, form).unwrap();
             let from = far + DVec3::new(5.75, 0.5, 10.0);
             let ray = Ray::new((from - scene.origin()).as_vec3(), Vec3::NEG_Z);
             let mut packet = RayPacket::<1>::from_rays(&[ray]);
-            scene.tree().intersect(&mut packet, &QueryOptions::default());
+            scene
+                .tree()
+                .intersect(&mut packet, &QueryOptions::default());
             let hit = packet.hit(0).expect("the second square is there");
             assert_eq!((hit.geom_id, hit.prim_id), (1, 0));
             assert!((hit.t - 8.0).abs() < 1e-5, "{}", hit.t);
@@ -313,7 +319,11 @@ mod tests {
         let mesh = Mesh::new(positions.clone(), Some(positions), triangles).unwrap();
         let device = Device::new().unwrap();
         let scene = Scene::new(&device, vec![mesh], curved()).unwrap();
-        assert!((scene.lowest(Vec3::Y) + 1.0).abs() < 0.02, "{}", scene.lowest(Vec3::Y));
+        assert!(
+            (scene.lowest(Vec3::Y) + 1.0).abs() < 0.02,
+            "{}",
+            scene.lowest(Vec3::Y)
+        );
         assert!((scene.lowest(Vec3::NEG_Z) + 1.0).abs() < 0.02);
     }
 }

@@ -73,7 +73,10 @@ impl Add for Rays {
 impl RenderStats {
     /// Millions of rays a second, while rendering.
     pub fn mray_per_second(&self) -> f64 {
-        ratio(self.rays.total() as f64 * 1e-6, self.times.render.as_secs_f64())
+        ratio(
+            self.rays.total() as f64 * 1e-6,
+            self.times.render.as_secs_f64(),
+        )
     }
 
     /// Ray-patch tests a ray.
@@ -99,9 +102,18 @@ mod tests {
     #[test]
     fn ratios_are_by_ray_and_by_call() {
         let stats = RenderStats {
-            rays: Rays { primary: 6, shadow: 2 },
-            kernel: Counters { calls: 16, evaluations: 40 },
-            times: Times { render: Duration::from_micros(4), ..Times::default() },
+            rays: Rays {
+                primary: 6,
+                shadow: 2,
+            },
+            kernel: Counters {
+                calls: 16,
+                evaluations: 40,
+            },
+            times: Times {
+                render: Duration::from_micros(4),
+                ..Times::default()
+            },
             ..RenderStats::default()
         };
         assert_eq!(stats.calls_per_ray(), 2.0);

@@ -68,7 +68,10 @@ pub fn render(
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<(Film, RenderStats), CameraError> {
     let (width, height) = (picture.width, picture.height);
-    assert!(width > 0 && height > 0 && picture.samples > 0, "a picture of nothing");
+    assert!(
+        width > 0 && height > 0 && picture.samples > 0,
+        "a picture of nothing"
+    );
     let lens = picture.camera.lens(scene.origin(), width, height)?;
     let start = Instant::now();
     let direct = Direct {
@@ -92,7 +95,10 @@ pub fn render(
     for tile in &tiles {
         film.paste(tile.corner, TILE, &tile.pixels);
     }
-    let work = tiles.iter().map(|tile| tile.work).fold(Work::default(), Work::add);
+    let work = tiles
+        .iter()
+        .map(|tile| tile.work)
+        .fold(Work::default(), Work::add);
     let mut stats = RenderStats {
         triangles: scene.triangles(),
         times: scene.times(),
@@ -151,7 +157,11 @@ impl Tile {
         let _flush = flush_denormals();
         let before = counters();
         let corner = place.map(|n| n * TILE);
-        let mut tile = Self { corner, pixels: vec![Vec4::ZERO; TILE * TILE], work: Work::default() };
+        let mut tile = Self {
+            corner,
+            pixels: vec![Vec4::ZERO; TILE * TILE],
+            work: Work::default(),
+        };
         for block in 0..(TILE / BLOCK).pow(2) {
             let [x, y] = [block % (TILE / BLOCK), block / (TILE / BLOCK)].map(|n| n * BLOCK);
             let block = Block::new(picture, [corner[0] + x, corner[1] + y]);
