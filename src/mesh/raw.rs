@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::error::{MAX_COORDINATE, MAX_INDICES};
 use super::normals::{self, NormalsReport};
 use super::weld::weld;
-use super::{LoadOptions, Mesh, MeshError};
+use super::{Bounds, LoadOptions, Mesh, MeshError};
 
 /// No normal: the index of a corner whose file names none.
 pub const NO_NORMAL: u32 = u32::MAX;
@@ -130,17 +130,7 @@ fn local_origin(positions: &[DVec3]) -> DVec3 {
         min = min.min(p);
         max = max.max(p);
     }
-    let centre = 0.5 * (min + max);
-    let diagonal = (max - min).length();
-    if centre.abs().max_element() <= 8.0 * diagonal {
-        return DVec3::ZERO;
-    }
-    // A point has no size: then the origin is the point itself.
-    if diagonal == 0.0 {
-        return centre;
-    }
-    let grid = diagonal.log2().floor().exp2();
-    (centre / grid).round() * grid
+    Bounds { min, max }.local_origin()
 }
 
 #[cfg(test)]

@@ -58,6 +58,21 @@ impl Bounds {
             max: self.max.max(other.max),
         }
     }
+
+    /// The local origin for meshes with these bounds, as [`Mesh`] describes it.
+    #[must_use]
+    pub fn local_origin(&self) -> DVec3 {
+        let (centre, diagonal) = (self.centre(), self.diagonal());
+        if centre.abs().max_element() <= 8.0 * diagonal {
+            return DVec3::ZERO;
+        }
+        // A point has no size: then the origin is the point itself.
+        if diagonal == 0.0 {
+            return centre;
+        }
+        let grid = diagonal.log2().floor().exp2();
+        (centre / grid).round() * grid
+    }
 }
 
 impl Mesh {
@@ -100,6 +115,21 @@ impl Mesh {
     #[must_use]
     pub fn origin(&self) -> DVec3 {
         self.origin
+    }
+
+    /// The same mesh around another origin, so that several can share one. Positions are rounded
+    /// anew unless the origin stays the same.
+    #[must_use]
+    pub fn rebased(mut self, origin: DVec3) -> Mesh {
+        if origin != self.origin {
+            let shift = self.origin - origin;
+            for p in &mut self.positions {
+                // Adding zero turns -0 into +0, so that equal positions have equal bits.
+                *p = (p.as_dvec3() + shift).as_vec3() + Vec3::ZERO;
+            }
+            self.origin = origin;
+        }
+        self
     }
 
     /// The vertices' positions relative to the origin.
@@ -252,5 +282,16 @@ mod tests {
             assert!(error < 1e-9, "vertex {v} is off by {error}");
         }
         assert!((mesh.bounds().diagonal() - 1e-3 * 2f64.sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_rebased_mesh_stays_where_it_is() {
+        let mesh = Mesh::new(square(), None, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        let origin = DVec3::new(1.0, 0.0, -4.0);
+        let moved = mesh.clone().rebased(origin);
+        assert_eq!(moved.origin(), origin);
+        assert_eq!(moved.positions()[1], Vec3::new(0.0, 0.0, 4.0));
+        assert_eq!(moved.bounds(), mesh.bounds());
+        assert_eq!(moved.rebased(DVec3::ZERO), mesh);
     }
 }

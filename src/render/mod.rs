@@ -1,1 +1,26 @@
-//! Cameras, lights, film: pictures.
+//! Cameras, lights, film: pictures, and answers to many rays at once.
+//!
+//! A [`Scene`] is meshes under one Embree tree, flat or curved. [`render`] traces a [`Picture`] of it
+//! through a [`Camera`] under [`Lighting`]; [`answer_rays`] traces rays of the caller's own. Neither
+//! knows of files or of the command line, but for [`OutputFile`], which makes a file appear whole or
+//! not at all.
+
+mod batch;
+mod camera;
+mod direct;
+mod film;
+mod light;
+mod output;
+mod sampler;
+mod scene;
+mod stats;
+mod tiles;
+
+pub use batch::{Answers, NO_PRIMITIVE, PacketWidth, UserRay, answer_rays};
+pub use camera::{Camera, CameraError, UpAxis};
+pub use film::{Background, Film};
+pub use light::{Lighting, Sky};
+pub use output::{OutputError, OutputFile, WriteSeek};
+pub use scene::{Body, Form, Scene, SceneError};
+pub use stats::{MemoryParts, Rays, RenderStats, Times};
+pub use tiles::{Ground, Picture, render};

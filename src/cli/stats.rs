@@ -1,0 +1,104 @@
+//! What a picture took, for people and for programs.
+
+use std::fmt::Write;
+use std::time::Duration;
+
+use curvetri::embree::Device;
+use curvetri::render::RenderStats;
+use serde_json::{Map, Value, json};
+
+/// Sentences for people.
+pub fn text(stats: &RenderStats, device: &Device) -> String {
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "{name:10} {value}");
+    };
+    let kinds = stats
+        .triangles
+        .named()
+        .into_iter()
+        .filter(|(_, count)| *count > 0);
+    let kinds: Vec<String> = kinds
+        .map(|(name, count)| format!("{count} {name}"))
+        .collect();
+    let total = stats.triangles.total();
+    line(
+        "triangles",
+        format!("{total} ({})", kinds.join(", ").replace('_', " ")),
+    );
+    let [load, curve, build, render] = named_times(stats).map(|(_, time)| time.as_secs_f64());
+    line(
+        "time",
+        format!("{load:.3} s load, {curve:.3} s curve, {build:.3} s build, {render:.3} s render"),
+    );
+    let memory =
+        named_memory(stats).map(|(name, bytes)| format!("{:.1} MB {name}", megabytes(bytes)));
+    line("memory", memory.join(", "));
+    let (rays, speed) = (stats.rays, stats.mray_per_second());
+    line(
+        "rays",
+        format!(
+            "{} primary, {} shadow, {speed:.2} Mray/s",
+            rays.primary, rays.shadow
+        ),
+    );
+    let (calls, evaluations) = (stats.calls_per_ray(), stats.evaluations_per_call());
+    line(
+        "kernel",
+        format!("{calls:.2} calls a ray, {evaluations:.2} evaluations a call"),
+    );
+    line("Embree", format!("{} ({})", device.version(), device.isa()));
+    text
+}
+
+/// One JSON object. Times are in seconds, memory in bytes.
+pub fn json(stats: &RenderStats, device: &Device) -> String {
+    let mut triangles: Map<String, Value> = stats
+        .triangles
+        .named()
+        .into_iter()
+        .map(|(name, count)| (name.to_owned(), count.into()))
+        .collect();
+    triangles.insert("total".into(), stats.triangles.total().into());
+    let times = named_times(stats).map(|(name, time)| (name, time.as_secs_f64()));
+    let value = json!({
+        "triangles": triangles,
+        "seconds": Map::from_iter(times.map(|(name, time)| (name.to_owned(), json!(time)))),
+        "bytes": Map::from_iter(
+            named_memory(stats).map(|(name, bytes)| (name.to_owned(), json!(bytes))),
+        ),
+        "rays": { "primary": stats.rays.primary, "shadow": stats.rays.shadow },
+        "mray_per_second": stats.mray_per_second(),
+        "kernel": {
+            "calls": stats.kernel.calls,
+            "evaluations": stats.kernel.evaluations,
+            "calls_per_ray": stats.calls_per_ray(),
+            "evaluations_per_call": stats.evaluations_per_call(),
+        },
+        "embree": { "version": device.version().to_string(), "isa": device.isa() },
+    });
+    format!("{value:#}\n")
+}
+
+fn named_times(stats: &RenderStats) -> [(&'static str, Duration); 4] {
+    let times = stats.times;
+    [
+        ("load", times.load),
+        ("curve", times.curve),
+        ("build", times.build),
+        ("render", times.render),
+    ]
+}
+
+fn named_memory(stats: &RenderStats) -> [(&'static str, u64); 3] {
+    let memory = stats.memory;
+    [
+        ("mesh", memory.mesh),
+        ("records", memory.records),
+        ("embree", memory.embree),
+    ]
+}
+
+fn megabytes(bytes: u64) -> f64 {
+    bytes as f64 * 1e-6
+}

@@ -1,0 +1,225 @@
+//! `curvetri trace`: the nearest hits of rays from a file.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use clap::{Args, ValueEnum};
+use curvetri::render::{Answers, OutputFile, PacketWidth, Scene, UserRay, WriteSeek, answer_rays};
+use glam::DVec3;
+use npyz::npz::NpzWriter;
+use npyz::zip::CompressionMethod;
+use npyz::zip::write::FileOptions;
+use npyz::{AutoSerialize, DType, NpyFile, Order, TypeChar, WriterBuilder};
+
+use super::console::Console;
+use super::surface::SurfaceArgs;
+use super::{device, on_threads, values};
+
+/// What a file of rays holds.
+const EXPECTED: &str = "expected float32 or float64 of shape (N, 6), origin and direction, or \
+                        (N, 8), with tnear and tfar after them";
+
+/// Trace rays from a file and write their nearest hits
+///
+/// RAYS.npy holds float32 or float64 of shape (N, 6): origin and direction, which need not be of
+/// unit length; or (N, 8), with tnear and tfar after them.
+///
+/// HITS.npz holds t (N; float32; in units of the direction's length, infinity for a miss), prim_id
+/// (N; uint32; the triangle's number in file order, 4294967295 for a miss), uv (N, 2; float32) and ng
+/// (N, 3; float32; the surface's unit normal, zeros for a miss).
+#[derive(Args)]
+#[command(verbatim_doc_comment)]
+pub struct TraceArgs {
+    /// Mesh file (OBJ)
+    mesh: PathBuf,
+
+    /// The rays
+    #[arg(long, value_name = "RAYS.npy")]
+    rays: PathBuf,
+
+    /// The hits
+    #[arg(short, long, value_name = "HITS.npz")]
+    output: PathBuf,
+
+    /// Rays traced together
+    #[arg(long, value_enum, default_value_t = PacketChoice::One)]
+    packet: PacketChoice,
+
+    #[command(flatten)]
+    surface: SurfaceArgs,
+
+    /// Threads to use [default: all]
+    #[arg(long, value_name = "N", value_parser = values::threads)]
+    threads: Option<usize>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PacketChoice {
+    #[value(name = "1")]
+    One,
+    #[value(name = "4")]
+    Four,
+    #[value(name = "8")]
+    Eight,
+    #[value(name = "16")]
+    Sixteen,
+}
+
+/// Runs the command.
+pub fn run(args: &TraceArgs, console: &Console) -> Result<()> {
+    let form = args.surface.form()?;
+    let device = device(args.threads)?;
+    on_threads(args.threads, || {
+        let rays = RayTable::read(&args.rays)?;
+        let mesh = args.surface.load(&args.mesh, console)?;
+        let output = OutputFile::create(&args.output)?;
+        let scene = Scene::new(&device, vec![mesh], form).context("cannot build the scene")?;
+        let count = rays.rows;
+        let bar = console.progress("tracing", count as u64);
+        let ray = |i: usize| rays.ray(i);
+        let done = |rays: usize| bar.inc(rays as u64);
+        let answers = answer_rays(&scene, count, args.packet.width(), &ray, &done);
+        bar.finish_and_clear();
+        let hits = answers.t.iter().filter(|t| t.is_finite()).count();
+        console.note(&format!("{hits} of {count} rays hit"));
+        Ok(output.finish(|out| write(&answers, out))?)
+    })
+}
+
+impl PacketChoice {
+    fn width(self) -> PacketWidth {
+        match self {
+            Self::One => PacketWidth::One,
+            Self::Four => PacketWidth::Four,
+            Self::Eight => PacketWidth::Eight,
+            Self::Sixteen => PacketWidth::Sixteen,
+        }
+    }
+}
+
+/// The rays of a file.
+struct RayTable {
+    rows: usize,
+    columns: usize,
+    /// Whether a column's values follow each other, not a row's.
+    by_column: bool,
+    values: Values,
+}
+
+enum Values {
+    Single(Vec<f32>),
+    Double(Vec<f64>),
+}
+
+impl RayTable {
+    fn read(path: &Path) -> Result<Self> {
+        let bytes =
+            std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+        Self::parse(&bytes).with_context(|| format!("{} holds no rays", path.display()))
+    }
+
+    fn parse(bytes: &[u8]) -> Result<Self> {
+        let mut rest = bytes;
+        let npy = NpyFile::new(&mut rest).with_context(|| format!("no .npy file; {EXPECTED}"))?;
+        let header = npy.header().clone();
+        let type_string = match header.dtype() {
+            DType::Plain(plain) => plain,
+            other => bail!("it is of dtype {}; {EXPECTED}", other.descr()),
+        };
+        let &[rows, columns @ (6 | 8)] = header.shape() else {
+            bail!("it is of shape {}; {EXPECTED}", tuple(header.shape()));
+        };
+        let size = match (type_string.type_char(), type_string.size_field()) {
+            (TypeChar::Float, size @ (4 | 8)) => size,
+            _ => bail!("it is of dtype {type_string}; {EXPECTED}"),
+        };
+        drop(npy);
+        let needed = rows.checked_mul(columns * size);
+        if needed != Some(rest.len() as u64) {
+            bail!(
+                "{} bytes of data do not make the shape {} of its header",
+                rest.len(),
+                tuple(header.shape())
+            );
+        }
+        let by_column = header.order() == Order::Fortran;
+        let npy = NpyFile::with_header(header, rest);
+        let values = if size == 4 {
+            Values::Single(npy.into_vec()?)
+        } else {
+            Values::Double(npy.into_vec()?)
+        };
+        let [rows, columns] = [rows, columns].map(|n| n as usize);
+        Ok(Self {
+            rows,
+            columns,
+            by_column,
+            values,
+        })
+    }
+
+    fn ray(&self, row: usize) -> UserRay {
+        let value = |column: usize| {
+            let index = if self.by_column {
+                column * self.rows + row
+            } else {
+                row * self.columns + column
+            };
+            match &self.values {
+                Values::Single(values) => values[index].into(),
+                Values::Double(values) => values[index],
+            }
+        };
+        let vector = |first: usize| DVec3::new(value(first), value(first + 1), value(first + 2));
+        let (tnear, tfar) = if self.columns == 8 {
+            (value(6), value(7))
+        } else {
+            (0.0, f64::INFINITY)
+        };
+        UserRay {
+            origin: vector(0),
+            direction: vector(3),
+            tnear,
+            tfar,
+        }
+    }
+}
+
+fn tuple(shape: &[u64]) -> String {
+    let numbers: Vec<String> = shape.iter().map(u64::to_string).collect();
+    let comma = if shape.len() == 1 { "," } else { "" };
+    format!("({}{comma})", numbers.join(", "))
+}
+
+/// Writes the arrays as numpy's `savez` does.
+fn write(answers: &Answers, out: &mut dyn WriteSeek) -> io::Result<()> {
+    let mut npz = NpzWriter::new(out);
+    let count = answers.t.len() as u64;
+    add(&mut npz, "t", &[count], &answers.t)?;
+    add(&mut npz, "prim_id", &[count], &answers.prim_id)?;
+    add(&mut npz, "uv", &[count, 2], answers.uv.as_flattened())?;
+    add(&mut npz, "ng", &[count, 3], answers.ng.as_flattened())?;
+    npz.zip_writer().finish()?;
+    Ok(())
+}
+
+fn add<T: AutoSerialize + Copy>(
+    npz: &mut NpzWriter<&mut dyn WriteSeek>,
+    name: &str,
+    shape: &[u64],
+    values: &[T],
+) -> io::Result<()> {
+    // A fixed date: the same hits are the same file.
+    let options = FileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .last_modified_time(Default::default())
+        .large_file(size_of_val(values) as u64 >= u64::from(u32::MAX) - (1 << 16));
+    let mut array = npz
+        .array(name, options)?
+        .default_dtype()
+        .shape(shape)
+        .begin_nd()?;
+    array.extend(values.iter().copied())?;
+    array.finish()
+}

@@ -1,0 +1,163 @@
+//! Values on the command line.
+
+use std::ops::RangeInclusive;
+
+use glam::DVec3;
+
+/// Pixels of a side.
+const SIDE: RangeInclusive<usize> = 1..=65_535;
+
+/// Width and height, as in 1280x720.
+pub fn size(text: &str) -> Result<[usize; 2], String> {
+    let form = "a size is WIDTHxHEIGHT in pixels, as in 1280x720";
+    let (width, height) = text.split_once(['x', 'X']).ok_or(form)?;
+    Ok([side(width)?, side(height)?])
+}
+
+/// One side of a picture in pixels.
+pub fn side(text: &str) -> Result<usize, String> {
+    match text.trim().parse() {
+        Ok(pixels) if SIDE.contains(&pixels) => Ok(pixels),
+        _ => Err(format!(
+            "a picture's side has {} to {} pixels",
+            SIDE.start(),
+            SIDE.end()
+        )),
+    }
+}
+
+/// A point or direction, as in 1,2.5,-3.
+pub fn vector(text: &str) -> Result<DVec3, String> {
+    let numbers: Result<Vec<f64>, String> = text.split(',').map(number).collect();
+    match numbers?[..] {
+        [x, y, z] => Ok(DVec3::new(x, y, z)),
+        _ => Err("three numbers are needed, as in 1,2.5,-3".into()),
+    }
+}
+
+/// A direction: a vector that is not zero.
+pub fn direction(text: &str) -> Result<DVec3, String> {
+    let vector = vector(text)?;
+    let unit = vector.try_normalize();
+    unit.ok_or_else(|| "a direction must not be zero".into())
+}
+
+/// A finite number.
+pub fn number(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(format!("'{}' is not a finite number", text.trim())),
+    }
+}
+
+/// An angle of view in degrees.
+pub fn fov(text: &str) -> Result<f64, String> {
+    let degrees = number(text)?;
+    if (0.001..=179.0).contains(&degrees) {
+        Ok(degrees)
+    } else {
+        Err("an angle of view is 0.001 to 179 degrees".into())
+    }
+}
+
+/// An angle between faces in degrees.
+pub fn crease(text: &str) -> Result<f32, String> {
+    let degrees = number(text)?;
+    if (0.0..=180.0).contains(&degrees) {
+        Ok(degrees as f32)
+    } else {
+        Err("an angle between faces is 0 to 180 degrees".into())
+    }
+}
+
+/// A share, 0 to 1.
+pub fn share(text: &str) -> Result<f32, String> {
+    let share = number(text)?;
+    if (0.0..=1.0).contains(&share) {
+        Ok(share as f32)
+    } else {
+        Err("a share is 0 to 1".into())
+    }
+}
+
+/// A factor for light.
+pub fn brightness(text: &str) -> Result<f32, String> {
+    let factor = number(text)?;
+    if (0.0..=1e6).contains(&factor) {
+        Ok(factor as f32)
+    } else {
+        Err("a brightness is 0 to 1e6".into())
+    }
+}
+
+/// An exposure in stops.
+pub fn stops(text: &str) -> Result<f32, String> {
+    let stops = number(text)?;
+    if (-20.0..=20.0).contains(&stops) {
+        Ok(stops as f32)
+    } else {
+        Err("an exposure is -20 to 20 stops".into())
+    }
+}
+
+/// A number of threads.
+pub fn threads(text: &str) -> Result<usize, String> {
+    match text.trim().parse() {
+        Ok(threads @ 1..=1024) => Ok(threads),
+        _ => Err("1 to 1024 threads".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_two_numbers_within_reason() {
+        assert_eq!(size("1280x720"), Ok([1280, 720]));
+        for wrong in [
+            "", "1280", "0x7", "7x0", "-1x7", "7x", "1e3x7", "7x70000", "7x7x7",
+        ] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn vectors_are_three_finite_numbers() {
+        assert_eq!(vector("1,-2.5, 3e2"), Ok(DVec3::new(1.0, -2.5, 300.0)));
+        for wrong in ["", "1,2", "1,2,3,4", "1,nan,3", "1,inf,3", "1;2;3", "a,b,c"] {
+            assert!(vector(wrong).is_err(), "{wrong}");
+        }
+        assert!(direction("0,0,0").is_err());
+    }
+
+    #[test]
+    fn angles_and_shares_have_their_ranges() {
+        assert_eq!(fov("40"), Ok(40.0));
+        assert!(
+            ["0", "-3", "180", "nan"]
+                .into_iter()
+                .all(|wrong| fov(wrong).is_err())
+        );
+        assert!(
+            ["-1", "181", "NaN"]
+                .into_iter()
+                .all(|wrong| crease(wrong).is_err())
+        );
+        assert!(
+            ["-0.1", "1.1", "inf"]
+                .into_iter()
+                .all(|wrong| share(wrong).is_err())
+        );
+        assert!(
+            ["0", "-1", "2000", "x"]
+                .into_iter()
+                .all(|wrong| threads(wrong).is_err())
+        );
+        assert!(
+            ["25", "-25", "x"]
+                .into_iter()
+                .all(|wrong| stops(wrong).is_err())
+        );
+    }
+}

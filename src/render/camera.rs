@@ -1,0 +1,262 @@
+//! The perspective camera.
+
+use glam::{DVec3, Vec3};
+use thiserror::Error;
+
+use crate::embree::Ray;
+use crate::mesh::Bounds;
+
+/// Room left around the framed bounds' sphere, as a share of its radius.
+const MARGIN: f64 = 0.04;
+
+/// Which axis points up in the meshes' space.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UpAxis {
+    /// Most OBJ files.
+    #[default]
+    Y,
+    /// CAD, terrain, Blender.
+    Z,
+}
+
+impl UpAxis {
+    /// The unit vector upwards.
+    pub fn vector(self) -> DVec3 {
+        match self {
+            Self::Y => DVec3::Y,
+            Self::Z => DVec3::Z,
+        }
+    }
+
+    /// A direction given for y up, turned so that it means the same here.
+    pub fn turn(self, direction: DVec3) -> DVec3 {
+        match self {
+            Self::Y => direction,
+            Self::Z => DVec3::new(direction.x, -direction.z, direction.y),
+        }
+    }
+}
+
+/// A perspective camera in the user's space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Where it is.
+    pub eye: DVec3,
+    /// The point in the middle of the picture.
+    pub target: DVec3,
+    /// Upwards in the picture, roughly; need not be unit nor perpendicular to the view. Along the
+    /// view itself another direction takes its place.
+    pub up: DVec3,
+    /// The angle that the picture's height covers, in degrees, above 0 and below 180.
+    pub fov_degrees: f64,
+}
+
+/// A camera that sees nothing.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum CameraError {
+    /// Eye and target are the same point.
+    #[error("the camera's eye and target are the same point ({0})")]
+    NoDirection(DVec3),
+    /// A coordinate is infinite or NaN, or the up vector is zero.
+    #[error("the camera's eye, target and up vector must be finite, and the up vector not zero")]
+    NotFinite,
+    /// The angle of view is not between 0 and 180 degrees.
+    #[error("the angle of view must be above 0 and below 180 degrees, not {0}")]
+    Fov(f64),
+}
+
+impl Camera {
+    /// A camera that sees all of the bounds' sphere from above, in front and a little to the right,
+    /// in a picture of this width over height.
+    pub fn framing(bounds: &Bounds, up: UpAxis, fov_degrees: f64, aspect: f64) -> Self {
+        let towards_eye = up.turn(DVec3::new(0.5, 0.42, 1.0)).normalize();
+        Self::framing_from(bounds, towards_eye, up, fov_degrees, aspect)
+    }
+
+    /// The same from a direction: the unit vector from the bounds' centre towards the eye.
+    pub fn framing_from(
+        bounds: &Bounds,
+        towards_eye: DVec3,
+        up: UpAxis,
+        fov_degrees: f64,
+        aspect: f64,
+    ) -> Self {
+        let target = bounds.centre();
+        let half_height = (0.5 * fov_degrees).to_radians().tan();
+        let half_angle = (half_height * aspect.min(1.0)).atan();
+        // A single point, too, is looked at from somewhere.
+        let smallest = f64::from(f32::EPSILON) * target.abs().max_element();
+        let radius = (0.5 * bounds.diagonal()).max(smallest).max(1e-30);
+        let distance = (1.0 + MARGIN) * radius / half_angle.sin();
+        Self {
+            eye: target + distance * towards_eye,
+            target,
+            up: up.vector(),
+            fov_degrees,
+        }
+    }
+
+    /// Prepares the camera for a picture's size, in the space relative to `origin`.
+    ///
+    /// # Errors
+    /// If the camera sees nothing.
+    pub(super) fn lens(
+        &self,
+        origin: DVec3,
+        width: usize,
+        height: usize,
+    ) -> Result<Lens, CameraError> {
+        let finite = self.eye.is_finite() && self.target.is_finite() && self.up.is_finite();
+        if !finite || self.up == DVec3::ZERO {
+            return Err(CameraError::NotFinite);
+        }
+        if !(self.fov_degrees > 0.0 && self.fov_degrees < 180.0) {
+            return Err(CameraError::Fov(self.fov_degrees));
+        }
+        let forward = (self.target - self.eye)
+            .try_normalize()
+            .ok_or(CameraError::NoDirection(self.eye))?;
+        let right = forward.cross(self.up.normalize());
+        let right = if right.length() > 1e-6 {
+            right.normalize()
+        } else {
+            forward.any_orthonormal_vector()
+        };
+        let up = right.cross(forward);
+        let pixel = 2.0 * (0.5 * self.fov_degrees).to_radians().tan() / height as f64;
+        let corner = forward - 0.5 * pixel * (width as f64 * right - height as f64 * up);
+        Ok(Lens {
+            eye: (self.eye - origin).as_vec3(),
+            corner: corner.as_vec3(),
+            across: (pixel * right).as_vec3(),
+            down: (-pixel * up).as_vec3(),
+        })
+    }
+}
+
+/// A camera prepared for a picture's size, in the scene's local space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lens {
+    eye: Vec3,
+    /// Direction to the picture's upper left corner.
+    corner: Vec3,
+    /// From pixel to pixel to the right.
+    across: Vec3,
+    /// From pixel to pixel downwards.
+    down: Vec3,
+}
+
+impl Lens {
+    /// The ray through a point of the picture: in pixels from the upper left corner. Its direction
+    /// is of unit length.
+    pub fn ray(&self, x: f32, y: f32) -> Ray {
+        Ray::new(
+            self.eye,
+            (self.corner + x * self.across + y * self.down).normalize(),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bounds() -> Bounds {
+        Bounds {
+            min: DVec3::new(1.0, 2.0, 3.0),
+            max: DVec3::new(2.0, 4.0, 6.0),
+        }
+    }
+
+    #[test]
+    fn the_target_is_in_the_middle_and_right_is_right() {
+        let camera = Camera {
+            eye: DVec3::new(0.0, 0.0, 10.0),
+            target: DVec3::ZERO,
+            up: DVec3::Y,
+            fov_degrees: 90.0,
+        };
+        let lens = camera.lens(DVec3::new(0.0, 0.0, 1.0), 200, 100).unwrap();
+        let middle = lens.ray(100.0, 50.0);
+        assert_eq!(middle.origin, Vec3::new(0.0, 0.0, 9.0));
+        assert!((middle.direction - Vec3::NEG_Z).length() < 1e-6);
+        assert!(lens.ray(150.0, 50.0).direction.x > 0.4);
+        let top = lens.ray(100.0, 0.0).direction;
+        assert!(
+            (top.y + top.z).abs() < 1e-6 && top.y > 0.0,
+            "45 degrees up: {top}"
+        );
+    }
+
+    #[test]
+    fn framed_corners_are_in_the_picture() {
+        for up in [UpAxis::Y, UpAxis::Z] {
+            for (width, height) in [(300, 100), (100, 300)] {
+                let aspect = width as f64 / height as f64;
+                let camera = Camera::framing(&bounds(), up, 35.0, aspect);
+                let lens = camera.lens(DVec3::ZERO, width, height).unwrap();
+                for corner in 0..8 {
+                    let pick = |axis: usize| corner >> axis & 1 == 1;
+                    let Bounds { min, max } = bounds();
+                    let corner =
+                        DVec3::select(glam::BVec3::new(pick(0), pick(1), pick(2)), min, max);
+                    let [x, y] = seen_at(&lens, corner.as_vec3());
+                    assert!((0.0..width as f32).contains(&x), "{x} of {width}");
+                    assert!((0.0..height as f32).contains(&y), "{y} of {height}");
+                }
+            }
+        }
+    }
+
+    /// Where a point is in the picture, in pixels.
+    fn seen_at(lens: &Lens, point: Vec3) -> [f32; 2] {
+        let matrix = glam::Mat3::from_cols(lens.across, lens.down, lens.corner);
+        let p = matrix.inverse() * (point - lens.eye);
+        assert!(p.z > 0.0, "behind the camera");
+        [p.x / p.z, p.y / p.z]
+    }
+
+    #[test]
+    fn looking_along_the_up_vector_still_gives_a_picture() {
+        let camera = Camera {
+            eye: DVec3::new(0.0, 5.0, 0.0),
+            target: DVec3::ZERO,
+            up: DVec3::Y,
+            fov_degrees: 40.0,
+        };
+        let lens = camera.lens(DVec3::ZERO, 10, 10).unwrap();
+        assert!(lens.ray(0.0, 0.0).direction.is_finite());
+        assert_ne!(lens.ray(0.0, 0.0).direction, lens.ray(10.0, 0.0).direction);
+    }
+
+    #[test]
+    fn a_camera_that_sees_nothing_is_refused() {
+        let camera = Camera::framing(&bounds(), UpAxis::Y, 35.0, 1.0);
+        let refused = |camera: Camera| camera.lens(DVec3::ZERO, 9, 9).unwrap_err();
+        let same = Camera {
+            target: camera.eye,
+            ..camera
+        };
+        assert_eq!(refused(same), CameraError::NoDirection(camera.eye));
+        assert_eq!(
+            refused(Camera {
+                up: DVec3::ZERO,
+                ..camera
+            }),
+            CameraError::NotFinite
+        );
+        let nan = DVec3::new(f64::NAN, 0.0, 0.0);
+        assert_eq!(
+            refused(Camera { eye: nan, ..camera }),
+            CameraError::NotFinite
+        );
+        assert_eq!(
+            refused(Camera {
+                fov_degrees: 180.0,
+                ..camera
+            }),
+            CameraError::Fov(180.0)
+        );
+    }
+}
