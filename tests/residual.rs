@@ -24,7 +24,9 @@ struct Worst {
 }
 
 fn check(traced: &Traced, ray: &Ray, worst: &mut Worst) {
-    let Some(hit) = first_hit(&traced.scene, ray) else { return };
+    let Some(hit) = first_hit(&traced.scene, ray) else {
+        return;
+    };
     let oracle = traced.curved.oracle(hit.prim_id);
     let point = oracle.point(f64::from(hit.u), f64::from(hit.v));
     let wide = |v: Vec3| Vector::<f64>::from(v);
@@ -36,16 +38,36 @@ fn check(traced: &Traced, ray: &Ray, worst: &mut Worst) {
     let ulps = RAY_ULPS * f64::from(f32::EPSILON) * (o.length() + t * d.length());
     let residual = (point.position - (o + d * t)).length() / (MAX_RESIDUAL * size + ulps);
     let ng = wide(hit.ng).normalize();
-    let turn = ng.cross(point.normal).length().atan2(ng.dot(point.normal)).to_degrees();
+    let turn = ng
+        .cross(point.normal)
+        .length()
+        .atan2(ng.dot(point.normal))
+        .to_degrees();
     let b = [1.0 - hit.u - hit.v, hit.u, hit.v];
-    let outside = b.into_iter().fold(0.0f32, |out, b| out.max(-b).max(b - 1.0));
+    let outside = b
+        .into_iter()
+        .fold(0.0f32, |out, b| out.max(-b).max(b - 1.0));
     worst.hits += 1;
     worst.residual = worst.residual.max(residual);
     worst.normal_degrees = worst.normal_degrees.max(turn);
     worst.outside = worst.outside.max(outside);
-    assert!(residual <= 1.0, "{:?} {:?}{}: {residual} of what is allowed, {ray:?} {hit:?}", oracle.kind(), longest, traced.name);
-    assert!(turn <= MAX_NORMAL_DEGREES, "{}: {turn} degrees, {ray:?} {hit:?}", traced.name);
-    assert!(outside <= MAX_OUTSIDE, "{}: {outside} outside, {ray:?} {hit:?}", traced.name);
+    assert!(
+        residual <= 1.0,
+        "{:?} {:?}{}: {residual} of what is allowed, {ray:?} {hit:?}",
+        oracle.kind(),
+        longest,
+        traced.name
+    );
+    assert!(
+        turn <= MAX_NORMAL_DEGREES,
+        "{}: {turn} degrees, {ray:?} {hit:?}",
+        traced.name
+    );
+    assert!(
+        outside <= MAX_OUTSIDE,
+        "{}: {outside} outside, {ray:?} {hit:?}",
+        traced.name
+    );
 }
 
 /// Rays at random through the body's bounds, from near and far.
@@ -53,12 +75,19 @@ fn shoot(traced: &Traced, count: usize) -> Worst {
     let mut random = Random(3);
     let mut worst = Worst::default();
     let bounds = traced.scene.bounds();
-    let (centre, half) = ((bounds.lower + bounds.upper) * 0.5, (bounds.upper - bounds.lower) * 0.5);
+    let (centre, half) = (
+        (bounds.lower + bounds.upper) * 0.5,
+        (bounds.upper - bounds.lower) * 0.5,
+    );
     for n in 0..count {
         let target = centre + half * random.in_cube();
         let direction = random.direction() * [1.0, 0.01, 100.0][n % 3];
         let away = [0.0, 1.5, 30.0][n / 3 % 3] * half.length() / direction.length();
-        check(traced, &Ray::new(target - direction * away, direction), &mut worst);
+        check(
+            traced,
+            &Ray::new(target - direction * away, direction),
+            &mut worst,
+        );
     }
     worst
 }
@@ -68,7 +97,11 @@ fn check_all(bodies: Vec<Body>, count: usize) {
         for surface in Surface::ALL {
             let traced = body.traced(surface);
             let worst = shoot(&traced, count);
-            println!("{} {surface:?}: {worst:?} {:?}", body.name, traced.curved.kinds());
+            println!(
+                "{} {surface:?}: {worst:?} {:?}",
+                body.name,
+                traced.curved.kinds()
+            );
         }
     }
 }

@@ -79,7 +79,10 @@ fn slope<S: Scalar>(patch: &Patch<S>, k: usize, along: S) -> S {
 }
 
 fn constant<S: Scalar>(value: S) -> Dual<S, 2> {
-    Dual { value, parts: [S::from_f64(0.0); 2] }
+    Dual {
+        value,
+        parts: [S::from_f64(0.0); 2],
+    }
 }
 
 /// Coefficients of the quadratic through the three sampled values.

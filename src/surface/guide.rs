@@ -161,12 +161,7 @@ impl<S: Scalar> Patch<S> {
     /// size: zero but for rounding, except where the point is so far off the surface that no guide
     /// leads there.
     #[inline(always)]
-    pub(super) fn strayed<V: Real<Scalar = S>>(
-        &self,
-        foot: &Foot<V, V>,
-        above: [V; 3],
-        z: V,
-    ) -> V {
+    pub(super) fn strayed<V: Real<Scalar = S>>(&self, foot: &Foot<V, V>, above: [V; 3], z: V) -> V {
         let choice = foot.choice;
         let out = foot.lean * z / choice.constant(|k| self.sides[k].height);
         let back = out * choice.constant(|k| self.sides[k].foot);

@@ -97,14 +97,19 @@ impl<S: Scalar> Patch<S> {
         let (j, k) = (next(i), next(next(i)));
         let (to_j, to_k) = (&self.sides[i], &self.sides[k]);
         let aside = b[j].times(V::splat(self.area2));
-        let ahead = b[k].times(V::splat(to_k.length2)) + b[j].times(V::splat(self.vertices[i].between));
-        let share = aside.atan2(ahead).times(V::splat(self.vertices[i].inverse_angle));
+        let ahead =
+            b[k].times(V::splat(to_k.length2)) + b[j].times(V::splat(self.vertices[i].between));
+        let share = aside
+            .atan2(ahead)
+            .times(V::splat(self.vertices[i].inverse_angle));
         let (at_j, at_k) = (to_j.bend[0] / to_j.length2, to_k.bend[1] / to_k.length2);
         let c = share.times(V::splat(at_j - at_k)).plus(V::splat(at_k));
         let times_distance2 = c * distance2;
-        let tangential =
-            b[j].times(V::splat(to_j.bend[0])) + b[k].times(V::splat(to_k.bend[1]));
-        Curvature { times_distance2, offset: times_distance2 - tangential }
+        let tangential = b[j].times(V::splat(to_j.bend[0])) + b[k].times(V::splat(to_k.bend[1]));
+        Curvature {
+            times_distance2,
+            offset: times_distance2 - tangential,
+        }
     }
 
     /// Curvature as the quadratic form that the three sides determine.
@@ -120,7 +125,10 @@ impl<S: Scalar> Patch<S> {
         let offset = -(b_ij.times(V::splat(bend_j))
             + b_ik.times(V::splat(bend_k))
             + b_jk.times(V::splat(across)));
-        Curvature { times_distance2, offset }
+        Curvature {
+            times_distance2,
+            offset,
+        }
     }
 
     /// The bend of a side as the vertex opposite to it sees it: its two ends' mean.

@@ -76,7 +76,10 @@ impl<S: Scalar> Patch<S> {
             Rule::Flat => self.plane_hit(&segment),
             _ => self.surface_hit(segment, solver),
         };
-        Hit { found: hit.found & ray.tnear.less(hit.t) & hit.t.at_most(ray.tfar), ..hit }
+        Hit {
+            found: hit.found & ray.tnear.less(hit.t) & hit.t.at_most(ray.tfar),
+            ..hit
+        }
     }
 
     #[inline(always)]
@@ -85,14 +88,26 @@ impl<S: Scalar> Patch<S> {
         let inside = V::constant(0.0).at_most(at) & at.at_most(segment.length);
         let ([u, v], moved) = self.kept_inside(segment.projection(at));
         let found = segment.alive & inside & moved.at_most(segment.stray_room);
-        Hit { found, t: segment.start + at, u, v, evaluations: 0 }
+        Hit {
+            found,
+            t: segment.start + at,
+            u,
+            v,
+            evaluations: 0,
+        }
     }
 
     #[inline(always)]
     fn surface_hit<V: Real<Scalar = S>>(&self, mut segment: Segment<V>, solver: Solver) -> Hit<V> {
         let zero = V::constant(0.0);
         let none = V::Mask::splat(false);
-        let mut hit = Hit { found: none, t: zero, u: zero, v: zero, evaluations: 0 };
+        let mut hit = Hit {
+            found: none,
+            t: zero,
+            u: zero,
+            v: zero,
+            evaluations: 0,
+        };
         for _ in 0..MAX_ROOTS {
             let (at, found) = self.first_root(&segment, solver, &mut hit.evaluations);
             let (above, z) = (segment.projection(at), segment.z(at));
@@ -162,7 +177,9 @@ impl<S: Scalar> Patch<S> {
             let (j, m) = (next(k), next(next(k)));
             let distance = b[m] * V::splat(side.height);
             let further = outside & distance.less(furthest);
-            let along = (b[j] + b[m] * V::splat(side.foot)).greater(zero).lesser(one);
+            let along = (b[j] + b[m] * V::splat(side.foot))
+                .greater(zero)
+                .lesser(one);
             let mut on_side = [zero; 3];
             on_side[k] = one - along;
             on_side[j] = along;

@@ -82,7 +82,13 @@ impl<V: Real> Segment<V> {
         let local = Self::unclipped(patch, from + along * entry, along, entry, ray.tfar);
         let epsilons = V::splat(S::EPSILON * S::from_f64(RAY_EPSILONS));
         let stray_room = distance * epsilons + V::splat(S::EPSILON * S::from_f64(STRAY_EPSILONS));
-        Self { start: entry, length: segment.length, alive: segment.alive, stray_room, ..local }
+        Self {
+            start: entry,
+            length: segment.length,
+            alive: segment.alive,
+            stray_room,
+            ..local
+        }
     }
 
     #[inline(always)]
@@ -103,7 +109,10 @@ impl<V: Real> Segment<V> {
             0 => from,
             _ => from - Vector::splat(patch.spokes[i - 1]),
         };
-        let (across, base) = (Vector::splat(patch.gradients[m]), Vector::splat(patch.along_base));
+        let (across, base) = (
+            Vector::splat(patch.gradients[m]),
+            Vector::splat(patch.along_base),
+        );
         let foot = V::splat(patch.sides[i].foot);
         let coordinates = |b_m: V, x: V, sum: V| {
             let mut b = [zero; 3];
@@ -146,7 +155,10 @@ impl<V: Real> Segment<V> {
             let m = next(next(k));
             let tilt = V::splat(side.tilt);
             let guard = guard(patch, k, distance);
-            keep(self.b[m] - tilt * self.z + guard, self.b_rate[m] - tilt * self.z_rate);
+            keep(
+                self.b[m] - tilt * self.z + guard,
+                self.b_rate[m] - tilt * self.z_rate,
+            );
         }
         // A flat triangle's slab has no thickness: there the crossing of its plane decides.
         if patch.rule != Rule::Flat {
