@@ -1,7 +1,7 @@
 //! The Embree callbacks of a curved mesh.
 
-use super::counters::count;
 use super::CurvedMesh;
+use super::counters::count;
 use crate::embree::{Bounds, IntersectQuery, OccludedQuery, SurfaceHit, UserGeometry};
 use crate::surface::{Patch, Ray, Real};
 
@@ -13,7 +13,10 @@ impl UserGeometry for CurvedMesh {
 
     fn bounds(&self, prim: u32, _time_step: u32) -> Bounds {
         let [lower, upper] = self.patch(prim).bounds();
-        Bounds { lower: lower.into(), upper: upper.into() }
+        Bounds {
+            lower: lower.into(),
+            upper: upper.into(),
+        }
     }
 
     fn intersect(&self, query: &mut IntersectQuery<'_>) {
@@ -49,7 +52,12 @@ impl CurvedMesh {
                 break;
             }
             let ng = patch.normal_at(hit.u, hit.v).into();
-            if report(SurfaceHit { t: hit.t, u: hit.u, v: hit.v, ng }) {
+            if report(SurfaceHit {
+                t: hit.t,
+                u: hit.u,
+                v: hit.v,
+                ng,
+            }) {
                 break;
             }
             ray.tnear = patch.beyond(&ray, hit.t);

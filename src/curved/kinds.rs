@@ -58,11 +58,7 @@ impl Kinds {
 
     /// Triangles that stay flat, whatever the reason, without the degenerate ones.
     pub fn flat(&self) -> usize {
-        self.flat_asked
-            + self.flat_sliver
-            + self.flat_back_normal
-            + self.flat_bend
-            + self.flat_fold
+        self.flat_asked + self.flat_sliver + self.flat_back_normal + self.flat_bend + self.flat_fold
     }
 
     /// All triangles.
@@ -103,7 +99,10 @@ mod tests {
             PatchKind::Flat(FlatReason::Fold),
             PatchKind::Degenerate,
         ];
-        let sum = kinds.into_iter().map(Kinds::of).fold(Kinds::default(), Kinds::add);
+        let sum = kinds
+            .into_iter()
+            .map(Kinds::of)
+            .fold(Kinds::default(), Kinds::add);
         assert!(sum.named().iter().all(|&(_, count)| count == 1), "{sum:?}");
         assert_eq!((sum.total(), sum.flat()), (8, 5));
     }

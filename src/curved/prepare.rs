@@ -36,7 +36,11 @@ fn record(mesh: &Mesh, triangle: usize, flags: PatchFlags) -> PatchRecord {
 fn flags(topology: &Topology, triangle: usize, surface: Surface) -> PatchFlags {
     let sides = topology.sides(triangle);
     (0..3).fold(PatchFlags::new(surface), |flags, k| {
-        if sides[k].is_straight() { flags.with_straight(k) } else { flags }
+        if sides[k].is_straight() {
+            flags.with_straight(k)
+        } else {
+            flags
+        }
     })
 }
 
@@ -55,7 +59,11 @@ fn straighten_neighbours(mesh: &Mesh, topology: &Topology, records: &mut [PatchR
             };
             let towards = topology.neighbours(neighbour as usize);
             let flags = (0..3).fold(old.flags(), |flags, k| {
-                if towards[k] == triangle { flags.with_straight(k) } else { flags }
+                if towards[k] == triangle {
+                    flags.with_straight(k)
+                } else {
+                    flags
+                }
             });
             if flags == old.flags() || is_plane(&old) {
                 continue;

@@ -108,3 +108,73 @@ fn other_format(bytes: &[u8]) -> Option<&'static str> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error_of(bytes: &[u8]) -> String {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mesh.obj");
+        std::fs::write(&path, bytes).unwrap();
+        let error = load(&path, &LoadOptions::default())
+            .unwrap_err()
+            .to_string();
+        let named = error.strip_prefix(&path.display().to_string());
+        named.expect("the file is named first").to_owned()
+    }
+
+    #[test]
+    fn a_missing_file_and_a_folder_are_refused_by_name() {
+        let error = load("no/such.obj", &LoadOptions::default()).unwrap_err();
+        let message = error.to_string();
+        assert!(
+            message.starts_with("cannot read no/such.obj: No such file"),
+            "{message}"
+        );
+        let error = load(".", &LoadOptions::default()).unwrap_err().to_string();
+        assert!(error.starts_with("cannot read .: "), "{error}");
+    }
+
+    #[test]
+    fn other_formats_are_refused_by_content_whatever_the_name() {
+        let not_read =
+            |what: &str| format!(": this is {what}, which is not read yet; OBJ files are read");
+        assert_eq!(error_of(b"ply\nformat ascii 1.0\n"), not_read("a PLY file"));
+        assert_eq!(error_of(b"solid x\nendsolid x\n"), not_read("an STL file"));
+        assert_eq!(error_of(b"OFF\n0 0 0\n"), not_read("an OFF file"));
+        assert_eq!(error_of(b"glTF\x02\0\0\0"), not_read("a GLB file"));
+        assert_eq!(error_of(b"\x1f\x8b\x08"), not_read("a gzip file"));
+        assert_eq!(
+            error_of(b" {\"asset\": 1}"),
+            ": this looks like a glTF file, which is not read yet; OBJ files are read"
+        );
+        assert_eq!(
+            error_of(b"v 0 0 0\0"),
+            ": this is a binary file of an unknown format; OBJ files are read"
+        );
+    }
+
+    #[test]
+    fn the_crease_angle_decides_hard_edges() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("roof.obj");
+        std::fs::write(
+            &path,
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 -1\nf 1 2 3\nf 2 1 4\n",
+        )
+        .unwrap();
+        let hard = |crease_angle_degrees| {
+            let options = LoadOptions {
+                crease_angle_degrees,
+            };
+            Topology::new(&load(&path, &options).unwrap().mesh)
+                .counts()
+                .hard
+        };
+        assert_eq!(
+            [hard(30.0), hard(44.9), hard(45.1), hard(180.0)],
+            [1, 1, 0, 0]
+        );
+    }
+}

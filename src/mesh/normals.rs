@@ -12,7 +12,7 @@ use super::weld::Groups;
 
 /// Normals at one position closer than this (radians; 0.1 degrees) become one: left apart they
 /// would make a hard edge of what is meant to be smooth.
-const SAME_NORMAL_ANGLE: f64 = 0.1 * std::f64::consts::PI / 180.0;
+pub(super) const SAME_NORMAL_ANGLE: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
 /// A stored normal whose length differs from 1 by more than this counts as renormalised.
 const UNIT_TOLERANCE: f64 = 1e-3;

@@ -1,7 +1,8 @@
 use glam::Vec3;
+use proptest::prelude::*;
 
 use super::*;
-use crate::mesh::Topology;
+use crate::mesh::{Mesh, NO_TRIANGLE, Topology};
 
 fn read_text(text: &str) -> Result<Loaded, LoadError> {
     read(
@@ -258,5 +259,96 @@ fn bad_indices_are_refused_with_their_line() {
             error_of(&square(&format!("f 1 2 3\n{face}\n"))),
             format!("models/test.obj:6: face 2: corner {what}")
         );
+    }
+}
+
+/// Files of plausible and implausible words.
+fn word_soup() -> impl Strategy<Value = String> {
+    let word = prop_oneof![
+        8 => prop::sample::select(vec![
+            "0", "1", "-1", "2", "3", "-3", "0.5", "1e30", "1e-320", "nan", "-inf", "1//1",
+            "2/1/2", "3//-1", "-2//", "1/", "/", "\\", "\\\n", "#", "1.#IND", "\u{fc}", "99",
+            "-99", "4294967297", "18446744073709551617",
+        ]).prop_map(str::to_owned),
+        1 => any::<f32>().prop_map(|x| x.to_string()),
+    ];
+    let keyword = prop::sample::select(vec![
+        "v", "v", "vn", "f", "f", "vt", "l", "p", "g", "o", "usemtl", "mtllib", "s", "#", "", "x",
+    ]);
+    let line = (keyword, prop::collection::vec(word, 0..7))
+        .prop_map(|(keyword, words)| format!("{keyword} {}", words.join(" ")));
+    // Most files start well, so that they get somewhere.
+    (any::<bool>(), prop::collection::vec(line, 0..12)).prop_map(|(start, lines)| {
+        let start = if start { SQUARE } else { "" };
+        format!("{start}{}", lines.join("\n"))
+    })
+}
+
+/// Coordinates from the harmless to the extreme.
+fn coordinate() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        4 => (-2i8..3).prop_map(f64::from),
+        1 => -1e18..1e18f64,
+        1 => -1e-18..1e-18f64,
+    ]
+}
+
+fn check_invariants(mesh: &Mesh) {
+    assert!(mesh.positions().iter().all(|p| p.is_finite()));
+    assert!(mesh.normals().iter().all(|n| n.is_normalized()));
+    assert_eq!(mesh.normals().len(), mesh.positions().len());
+    let corners = mesh.triangles().as_flattened();
+    assert!(
+        corners
+            .iter()
+            .all(|&v| (v as usize) < mesh.positions().len())
+    );
+    let bits =
+        |v: usize| [mesh.positions()[v], mesh.normals()[v]].map(|x| x.to_array().map(f32::to_bits));
+    let distinct: std::collections::HashSet<_> = (0..mesh.positions().len()).map(bits).collect();
+    assert_eq!(distinct.len(), mesh.positions().len());
+    let topology = Topology::new(mesh);
+    for triangle in 0..mesh.triangles().len() {
+        for neighbour in topology.neighbours(triangle) {
+            if neighbour != NO_TRIANGLE {
+                let back = topology.neighbours(neighbour as usize);
+                assert!(back.contains(&(triangle as u32)), "neighbours are mutual");
+            }
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn no_text_makes_the_reader_panic(text in word_soup()) {
+        match read_text(&text) {
+            Ok(loaded) => check_invariants(&loaded.mesh),
+            Err(error) => prop_assert!(error.to_string().starts_with("models/test.obj")),
+        }
+    }
+
+    #[test]
+    fn no_bytes_make_the_reader_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        let _ = read(bytes, Path::new("x.obj"), &LoadOptions::default());
+    }
+
+    #[test]
+    fn any_finite_polygons_make_a_sound_mesh(
+        points in prop::collection::vec([coordinate(), coordinate(), coordinate()], 3..12),
+        faces in prop::collection::vec(prop::collection::vec(0usize..100, 3..9), 1..8),
+    ) {
+        let mut text = String::new();
+        for [x, y, z] in &points {
+            text += &format!("v {x:e} {y:e} {z:e}\n");
+        }
+        for face in &faces {
+            let corners: Vec<String> =
+                face.iter().map(|i| (i % points.len() + 1).to_string()).collect();
+            text += &format!("f {}\n", corners.join(" "));
+        }
+        let loaded = read_text(&text).unwrap();
+        let triangles: usize = faces.iter().map(|f| f.len() - 2).sum();
+        prop_assert_eq!(loaded.mesh.triangles().len(), triangles);
+        check_invariants(&loaded.mesh);
     }
 }

@@ -58,7 +58,11 @@ pub fn write_obj(mesh: &Mesh, path: impl AsRef<Path>) -> std::io::Result<()> {
             Some(folder) if folder != Path::new("") => folder,
             _ => Path::new("."),
         };
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+        let mut builder = tempfile::Builder::new();
+        // Readable as any new file, and not by its owner only.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let mut file = builder.tempfile_in(folder)?;
         file.write_all(obj_text(mesh).as_bytes())?;
         file.persist(path)?;
         std::io::Result::Ok(())

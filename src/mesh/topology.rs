@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::Mesh;
+use super::normals::SAME_NORMAL_ANGLE;
 use super::weld::{Groups, weld};
 
 /// No neighbour: in place of a triangle's index.
@@ -14,6 +15,11 @@ pub const NO_TRIANGLE: u32 = u32::MAX;
 pub enum SideKind {
     /// Exactly one neighbour, with the same normals at both ends bit for bit: the curved surfaces
     /// join there.
+    ///
+    /// Also where several sheets lie in each other (a surface stored with both its faces, or
+    /// twice): normals that are the same or opposite at both ends, to 0.1 degrees, make the same
+    /// side of all sheets, and so each sheet's two triangles are each other's neighbours. The two
+    /// faces of one sheet are neighbours at its boundary.
     Smooth,
     /// Exactly one neighbour, but the normals differ at an end: a hard edge, straight on both
     /// sides. Also the sides of a triangle that has two corners in one place, which has no
@@ -58,8 +64,10 @@ pub struct TopologyCounts {
     pub hard: u64,
     /// Sides with one triangle.
     pub boundary: u64,
-    /// Sides with three triangles or more.
+    /// Sides with three triangles or more, other than doubled ones.
     pub non_manifold: u64,
+    /// Sides with four triangles or more that are sheets lying in each other, and so smooth.
+    pub doubled: u64,
     /// Sides whose two triangles do not agree on the front.
     pub flipped: u64,
     /// Triangles without area: two corners in one place, or all three on a line as far as single
@@ -74,7 +82,7 @@ impl TopologyCounts {
     /// volume.
     #[must_use]
     pub fn is_closed(&self) -> bool {
-        self.boundary == 0 && self.non_manifold == 0 && self.flipped == 0
+        self.boundary + self.non_manifold + self.doubled + self.flipped == 0
     }
 }
 
@@ -202,17 +210,23 @@ impl Build<'_> {
         let kind = match *uses {
             [_] => SideKind::Boundary,
             [(_, a), (_, b)] => {
-                self.topology.neighbours[a as usize / 3][a as usize % 3] = b / 3;
-                self.topology.neighbours[b as usize / 3][b as usize % 3] = a / 3;
+                self.join(a, b);
                 self.meeting(a, b)
             }
-            _ => SideKind::NonManifold,
+            _ => match self.sheets(lower, uses) {
+                Some(sheets) => {
+                    sheets.iter().for_each(|&[a, b]| self.join(a, b));
+                    SideKind::Smooth
+                }
+                None => SideKind::NonManifold,
+            },
         };
         for &(_, side) in uses {
             self.set(side, kind);
         }
         let counts = &mut self.topology.counts;
         match kind {
+            SideKind::Smooth if uses.len() > 2 => counts.doubled += 1,
             SideKind::Smooth => counts.smooth += 1,
             SideKind::Hard => counts.hard += 1,
             SideKind::Boundary => counts.boundary += 1,
@@ -222,6 +236,12 @@ impl Build<'_> {
         if uses.len() > 1 {
             self.count_duplicates(lower, uses);
         }
+    }
+
+    /// Makes two triangles neighbours at a side.
+    fn join(&mut self, a: u32, b: u32) {
+        self.topology.neighbours[a as usize / 3][a as usize % 3] = b / 3;
+        self.topology.neighbours[b as usize / 3][b as usize % 3] = a / 3;
     }
 
     /// How the only two triangles at a side meet.
@@ -234,11 +254,53 @@ impl Build<'_> {
         let same_normals = a0 == b_first && a1 == b_second;
         if same_direction && !(same_normals && self.is_backward(a) != self.is_backward(b)) {
             SideKind::Flipped
-        } else if same_normals {
+        } else if same_normals || self.are_opposite(a0, b_first) && self.are_opposite(a1, b_second)
+        {
             SideKind::Smooth
         } else {
             SideKind::Hard
         }
+    }
+
+    /// Pairs the sides of three triangles or more if they are those of sheets lying in each other.
+    fn sheets(&self, lower: u32, uses: &[Use]) -> Option<Vec<[u32; 2]>> {
+        // The ends in one order for all, and which way the side runs on the front that the
+        // normals show: two triangles of one sheet have the same ends and opposite ways.
+        let mut sides: Vec<([u32; 2], bool, u32)> = uses
+            .iter()
+            .map(|&(_, side)| {
+                let [from, to] = self.ends(side);
+                let rises = self.place_of[from as usize] == lower;
+                let ends = if rises { [from, to] } else { [to, from] };
+                (ends, rises != self.is_backward(side), side)
+            })
+            .collect();
+        let first = sides[0].0;
+        let agrees = |end: u32, with: u32| end == with || self.are_opposite(end, with);
+        let all_agree = sides.iter().all(|(ends, ..)| {
+            // Not one end the same and the other opposite.
+            *ends == first || (0..2).all(|i| agrees(ends[i], first[i]) && ends[i] != first[i])
+        });
+        if !all_agree {
+            return None;
+        }
+        sides.sort_unstable();
+        let mut pairs = Vec::with_capacity(sides.len() / 2);
+        for sheet in sides.chunk_by(|a, b| a.0 == b.0) {
+            let (falling, rising) = sheet.split_at(sheet.partition_point(|side| !side.1));
+            if falling.len() != rising.len() {
+                return None;
+            }
+            pairs.extend(falling.iter().zip(rising).map(|(a, b)| [a.2, b.2]));
+        }
+        Some(pairs)
+    }
+
+    /// Whether two vertices have opposite normals, as nearly as normals are made one.
+    fn are_opposite(&self, a: u32, b: u32) -> bool {
+        let normals = &self.mesh.normals;
+        let sum = normals[a as usize] + normals[b as usize];
+        f64::from(sum.length()) < SAME_NORMAL_ANGLE
     }
 
     /// The vertices a triangle's side runs between.
@@ -299,156 +361,5 @@ fn is_degenerate(positions: [Vec3; 3]) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    use glam::DVec3;
-
-    use super::*;
-    use crate::mesh::{LoadOptions, RawMesh};
-
-    fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]], crease: f32) -> Mesh {
-        let raw = RawMesh {
-            positions: positions.iter().map(|&p| p.into()).collect(),
-            corners: triangles.to_vec(),
-            ..RawMesh::default()
-        };
-        let options = LoadOptions {
-            crease_angle_degrees: crease,
-        };
-        raw.into_mesh(&options).unwrap().0
-    }
-
-    const TETRAHEDRON: [[f64; 3]; 4] = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
-    const FACES: [[u32; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
-
-    #[test]
-    fn a_smooth_tetrahedron_has_six_smooth_sides() {
-        let topology = Topology::new(&mesh(&TETRAHEDRON, &FACES, 180.0));
-        let expected = TopologyCounts {
-            places: 4,
-            smooth: 6,
-            ..TopologyCounts::default()
-        };
-        assert_eq!(*topology.counts(), expected);
-        assert!(topology.counts().is_closed());
-        assert_eq!(topology.neighbours(0), [3, 2, 1]);
-        assert_eq!(topology.neighbours(2), [0, 3, 1]);
-        assert_eq!(topology.sides(1), [SideKind::Smooth; 3]);
-    }
-
-    #[test]
-    fn a_creased_tetrahedron_has_six_hard_sides_and_stays_closed() {
-        let creased = mesh(&TETRAHEDRON, &FACES, 30.0);
-        assert_eq!(creased.positions().len(), 12);
-        let topology = Topology::new(&creased);
-        assert_eq!(topology.counts().hard, 6);
-        assert_eq!(topology.counts().places, 4);
-        assert!(topology.counts().is_closed());
-        assert_eq!(topology.neighbours(0), [3, 2, 1]);
-        assert_eq!(topology.sides(3), [SideKind::Hard; 3]);
-    }
-
-    #[test]
-    fn a_missing_face_leaves_boundaries() {
-        let topology = Topology::new(&mesh(&TETRAHEDRON, &FACES[1..], 180.0));
-        assert_eq!(topology.counts().boundary, 3);
-        assert_eq!(topology.side(0, 0), SideKind::Boundary);
-        assert_eq!(topology.neighbours(0)[0], NO_TRIANGLE);
-        assert!(!topology.counts().is_closed());
-    }
-
-    #[test]
-    fn a_flipped_face_has_flipped_sides() {
-        let mut faces = FACES;
-        faces[0].swap(0, 1);
-        let topology = Topology::new(&mesh(&TETRAHEDRON, &faces, 30.0));
-        assert_eq!(topology.counts().flipped, 3);
-        assert_eq!(topology.counts().hard, 3);
-        assert_eq!(topology.sides(0), [SideKind::Flipped; 3]);
-        assert_eq!(topology.neighbours(0).map(|t| t != NO_TRIANGLE), [true; 3]);
-    }
-
-    #[test]
-    fn opposite_winding_under_the_same_normals_still_joins() {
-        let positions = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]]
-            .map(DVec3::from)
-            .to_vec();
-        let normals = Some(vec![DVec3::Z; 4]);
-        let mesh = Mesh::new(positions, normals, vec![[0, 1, 2], [0, 3, 2]]).unwrap();
-        let topology = Topology::new(&mesh);
-        assert_eq!(topology.side(0, 2), SideKind::Smooth);
-        assert_eq!(topology.counts().smooth, 1);
-    }
-
-    #[test]
-    fn a_surface_folded_onto_itself_is_flipped() {
-        let positions = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0.9, 0.5, 0.]]
-            .map(DVec3::from)
-            .to_vec();
-        let normals = Some(vec![DVec3::Z; 4]);
-        let mesh = Mesh::new(positions, normals, vec![[0, 1, 2], [3, 1, 2]]).unwrap();
-        assert_eq!(Topology::new(&mesh).counts().flipped, 1);
-    }
-
-    #[test]
-    fn three_triangles_at_a_side_are_non_manifold() {
-        let mut positions = TETRAHEDRON.to_vec();
-        positions.push([-1.0, -1.0, -1.0]);
-        let topology = Topology::new(&mesh(&positions, &[[0, 1, 2], [1, 0, 3], [0, 1, 4]], 30.0));
-        assert_eq!(topology.counts().non_manifold, 1);
-        assert_eq!(topology.counts().boundary, 6);
-        for triangle in 0..3 {
-            assert_eq!(topology.side(triangle, 0), SideKind::NonManifold);
-            assert_eq!(topology.neighbours(triangle)[0], NO_TRIANGLE);
-        }
-    }
-
-    #[test]
-    fn a_triangle_with_two_corners_in_one_place_does_not_part_its_neighbours() {
-        let topology = Topology::new(&mesh(
-            &TETRAHEDRON,
-            &[[0, 1, 2], [0, 2, 0], [2, 1, 3], [0, 2, 3]],
-            180.0,
-        ));
-        assert_eq!(topology.counts().degenerate_triangles, 1);
-        assert_eq!(topology.neighbours(0), [NO_TRIANGLE, 2, 3]);
-        assert_eq!(topology.neighbours(1), [NO_TRIANGLE; 3]);
-        assert_eq!(topology.sides(1), [SideKind::Hard; 3]);
-        assert_eq!(topology.counts().hard, 0);
-    }
-
-    #[test]
-    fn collinear_corners_are_degenerate() {
-        let positions = [[0.1, 0.2, 0.3], [0.3, 0.6, 0.9], [0.7, 1.4, 2.1]];
-        let topology = Topology::new(&mesh(&positions, &[[0, 1, 2]], 30.0));
-        assert_eq!(topology.counts().degenerate_triangles, 1);
-    }
-
-    #[test]
-    fn duplicates_are_counted_whichever_way_they_wind() {
-        let faces = [FACES[0], FACES[1], [3, 0, 1], [1, 0, 3], FACES[2]];
-        let topology = Topology::new(&mesh(&TETRAHEDRON, &faces, 30.0));
-        assert_eq!(topology.counts().duplicate_triangles, 2);
-        assert_eq!(topology.sides(1), [SideKind::NonManifold; 3]);
-    }
-
-    #[test]
-    fn vertices_split_by_texture_only_are_no_edge_and_those_split_by_normal_are() {
-        // A square of two triangles that share no vertex, as at a seam.
-        let square = |normal: DVec3| {
-            let positions = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.]].map(DVec3::from);
-            let second = [[0., 0., 0.], [1., 1., 0.], [0., 1., 0.]].map(DVec3::from);
-            let normals = [[DVec3::Z; 3], [normal; 3]].concat();
-            let mesh = Mesh::new(
-                [positions, second].concat(),
-                Some(normals),
-                vec![[0, 1, 2], [3, 4, 5]],
-            );
-            *Topology::new(&mesh.unwrap()).counts()
-        };
-        assert_eq!(square(DVec3::Z).smooth, 1);
-        let nearly = DVec3::new(1e-3, 0.0, 1.0);
-        assert_eq!(square(nearly).smooth, 1, "0.06 degrees are made none");
-        let apart = DVec3::new(2e-3, 0.0, 1.0);
-        assert_eq!(square(apart).hard, 1, "0.11 degrees are an edge");
-    }
-}
+#[path = "topology_tests.rs"]
+mod tests;

@@ -20,19 +20,31 @@ pub(super) struct Range<S> {
 
 impl<S: Scalar> Range<S> {
     fn of(value: S) -> Self {
-        Self { lo: value, hi: value }
+        Self {
+            lo: value,
+            hi: value,
+        }
     }
     fn zero() -> Self {
         Self::of(S::from_f64(0.0))
     }
     fn between(a: S, b: S) -> Self {
-        Self { lo: a.lesser(b), hi: a.greater(b) }
+        Self {
+            lo: a.lesser(b),
+            hi: a.greater(b),
+        }
     }
     fn hull(self, other: Self) -> Self {
-        Self { lo: self.lo.lesser(other.lo), hi: self.hi.greater(other.hi) }
+        Self {
+            lo: self.lo.lesser(other.lo),
+            hi: self.hi.greater(other.hi),
+        }
     }
     fn plus(self, other: Self) -> Self {
-        Self { lo: self.lo + other.lo, hi: self.hi + other.hi }
+        Self {
+            lo: self.lo + other.lo,
+            hi: self.hi + other.hi,
+        }
     }
     fn scaled(self, factor: S) -> Self {
         Self::between(self.lo * factor, self.hi * factor)
@@ -41,7 +53,10 @@ impl<S: Scalar> Range<S> {
         self.scaled(other.lo).hull(self.scaled(other.hi))
     }
     fn widened(self, by: S) -> Self {
-        Self { lo: self.lo - by, hi: self.hi + by }
+        Self {
+            lo: self.lo - by,
+            hi: self.hi + by,
+        }
     }
     fn max_abs(self) -> S {
         self.lo.abs().greater(self.hi.abs())
@@ -55,6 +70,12 @@ const MIN_DISCRIMINANT: f64 = 0.1;
 /// Largest share of the way to the median by which a guide on the side may lean over at the
 /// surface's height, before the guide field counts as folded.
 const MAX_FOLD: f64 = 0.7;
+/// Greatest bound on the height, in units of the patch's size, at which a triangle is still taken:
+/// beyond it the normals contradict the triangle, and its box would cover half the scene.
+const MAX_HEIGHT: f64 = 2.0;
+/// The same in units of the sides' greatest bend. The angular rule blows up on needles: a little
+/// angle away from a long side it adds much of the short side's curvature, all along the length.
+const MAX_HEIGHT_TO_BEND: f64 = 8.0;
 
 /// What bounds the heights that one vertex's sphere asks for.
 #[derive(Clone, Copy)]
@@ -70,20 +91,43 @@ struct VertexSpread<S> {
     reach: Range<S>,
 }
 
+/// Greatest curvature, in units of the longest side, at which the angular rule is taken: it takes
+/// the difference of two angles times this, and in `f32` the rest is rounding.
+const MAX_ANGULAR_CURVATURE: f64 = 30.0;
+
+/// Greatest slope between the middles of two sides.
+const MAX_SHEAR: f64 = 1.0;
+
 /// The ranges of everything the heights depend on.
 pub(super) struct Spread<S> {
     vertices: [VertexSpread<S>; 3],
     damping: Range<S>,
+    /// Whether the rule is well conditioned on a triangle of this shape.
+    conditioned: bool,
 }
 
 /// Bounds what each vertex's sphere asks for, under the patch's present rule.
 pub(super) fn spread<S: Scalar>(patch: &Patch<S>) -> Spread<S> {
     let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
-    let damping = patch.sides.iter().fold(zero, |most, side| most.greater(side.damping));
+    let damping = patch
+        .sides
+        .iter()
+        .fold(zero, |most, side| most.greater(side.damping));
     // kappa_12 b1 b2 + kappa_23 b2 b3 + kappa_31 b3 b1 is at most a third of the greatest kappa.
     let least = (one - damping * S::from_f64(1.0 / 3.0)).greater(S::from_f64(MIN_DAMPING_FACTOR));
     let damping = Range { lo: least, hi: one };
-    Spread { vertices: [0, 1, 2].map(|i| vertex_spread(patch, i)), damping }
+    let length2 = patch
+        .sides
+        .iter()
+        .fold(zero, |most, side| most.greater(side.length2));
+    let most = S::from_f64(MAX_ANGULAR_CURVATURE);
+    let conditioned = patch.rule != Rule::Angular
+        || (0..3).all(|i| curvature_range(patch, i).max_abs() * length2 < most);
+    Spread {
+        vertices: [0, 1, 2].map(|i| vertex_spread(patch, i)),
+        damping,
+        conditioned,
+    }
 }
 
 fn vertex_spread<S: Scalar>(patch: &Patch<S>, i: usize) -> VertexSpread<S> {
@@ -104,7 +148,13 @@ fn vertex_spread<S: Scalar>(patch: &Patch<S>, i: usize) -> VertexSpread<S> {
         lo: one / (half_b.hi + most),
         hi: one / (low + discriminant.greater(zero).sqrt()),
     };
-    VertexSpread { middles, corners, half_b, discriminant, reach }
+    VertexSpread {
+        middles,
+        corners,
+        half_b,
+        discriminant,
+        reach,
+    }
 }
 
 /// Ranges of `B_i = n.g - c d.g` and of `|g|^2`.
@@ -122,7 +172,10 @@ fn half_b_range<S: Scalar>(
         // third of the height, less the vertex's own y.
         let own = if k == next(i) { side.height } else { zero };
         let third = side.height * S::from_f64(1.0 / 3.0);
-        let way = Range { lo: -own, hi: third - own };
+        let way = Range {
+            lo: -own,
+            hi: third - own,
+        };
         let inward = curvature.times(way).scaled(S::from_f64(-1.0));
         let inward = inward.plus(Range::of(vertex.inward[k]));
         let leaning = Range::between(zero, side.lean).times(inward);
@@ -146,8 +199,7 @@ fn curvature_range<S: Scalar>(patch: &Patch<S>, i: usize) -> Range<S> {
     let half = S::from_f64(0.5);
     let (length_j, length_k) = (to_j.length2.sqrt(), to_k.length2.sqrt());
     let product = length_j * length_k;
-    let between = (to_j.length2 + to_k.length2 - patch.sides[j].length2) * half;
-    let (cosine, sine) = (between / product, patch.area2 / product);
+    let (cosine, sine) = (patch.vertices[i].between / product, patch.area2 / product);
     let mixed = (to_j.bend[0] + to_k.bend[1] - patch.mean_bend(j)) * half / product;
     let away_from_k = (mixed - at_k * cosine) / sine;
     let away_from_j = (mixed - at_j * cosine) / sine;
@@ -160,9 +212,20 @@ fn curvature_range<S: Scalar>(patch: &Patch<S>, i: usize) -> Range<S> {
     let zero = S::from_f64(0.0);
     let rises = zero.at_most(away_from_k) && zero.at_most(away_from_j);
     let falls = away_from_k.at_most(zero) && away_from_j.at_most(zero);
-    let highest = if rises { ends.hi.greater(mean + radius) } else { ends.hi };
-    let lowest = if falls { ends.lo.lesser(mean - radius) } else { ends.lo };
-    Range { lo: lowest, hi: highest }
+    let highest = if rises {
+        ends.hi.greater(mean + radius)
+    } else {
+        ends.hi
+    };
+    let lowest = if falls {
+        ends.lo.lesser(mean - radius)
+    } else {
+        ends.lo
+    };
+    Range {
+        lo: lowest,
+        hi: highest,
+    }
 }
 
 /// Quadratic Bernstein coefficients of `C_i`, before damping.
@@ -181,12 +244,57 @@ fn offset_coefficients<S: Scalar>(
         return ([near_j, near_k, across], [Range::zero(); 2]);
     }
     // C = c |d|^2 - 2 n.d with c anywhere between the two sides' curvatures.
-    let between =
-        (to_j.length2 + to_k.length2 - patch.sides[j].length2) * S::from_f64(0.5);
-    let across = curvature.scaled(between).plus(near_j).plus(near_k);
-    let corner_j = curvature.scaled(to_j.length2).plus(Range::of(-bend_j));
-    let corner_k = curvature.scaled(to_k.length2).plus(Range::of(-bend_k));
-    ([near_j, near_k, across], [corner_j, corner_k])
+    let between = patch.vertices[i].between;
+    let anywhere = (
+        [
+            near_j,
+            near_k,
+            curvature.scaled(between).plus(near_j).plus(near_k),
+        ],
+        [
+            curvature.scaled(to_j.length2).plus(Range::of(-bend_j)),
+            curvature.scaled(to_k.length2).plus(Range::of(-bend_k)),
+        ],
+    );
+    let by_angle = by_angle(patch, i);
+    let width = |of: &([Range<S>; 3], [Range<S>; 2])| {
+        of.0[2].max_abs() + of.1[0].max_abs() + of.1[1].max_abs()
+    };
+    if width(&by_angle) < width(&anywhere) {
+        by_angle
+    } else {
+        anywhere
+    }
+}
+
+/// The same for the angular rule on thin triangles, where the direction to a point at the far end
+/// of a long side is all but that side's own.
+///
+/// With u the share of the angle, `u |d|^2 = b_j l_j |d| (theta' / theta) (sin theta / sin theta')`,
+/// which lies between `s b_j l_j (b_j l_j + b_k l_k cos theta)`, s being `sin theta / theta`, and
+/// `b_j l_j (b_j l_j + b_k l_k)`; likewise for `1 - u`.
+fn by_angle<S: Scalar>(patch: &Patch<S>, i: usize) -> ([Range<S>; 3], [Range<S>; 2]) {
+    let k = next(next(i));
+    let (to_j, to_k) = (&patch.sides[i], &patch.sides[k]);
+    let between = patch.vertices[i].between;
+    let (bend_j, bend_k) = (to_j.bend[0], to_k.bend[1]);
+    let half = S::from_f64(0.5);
+    let product = (to_j.length2 * to_k.length2).sqrt();
+    let least = patch.area2 / product * patch.vertices[i].inverse_angle;
+    let share = Range {
+        lo: (least * between).lesser(S::from_f64(0.0)),
+        hi: product,
+    }
+    .scaled(half);
+    let mixed = share
+        .scaled(bend_j / to_j.length2)
+        .plus(share.scaled(bend_k / to_k.length2))
+        .plus(Range::of(-(bend_j + bend_k) * half));
+    let corner = |bend: S| Range::between(bend * (least - S::from_f64(1.0)), S::from_f64(0.0));
+    (
+        [Range::of(-bend_j * half), Range::of(-bend_k * half), mixed],
+        [corner(bend_j), corner(bend_k)],
+    )
 }
 
 impl<S: Scalar> Spread<S> {
@@ -204,8 +312,24 @@ impl<S: Scalar> Spread<S> {
     /// a touch).
     pub fn reaches(&self) -> bool {
         let least = S::from_f64(MIN_REACH);
-        self.vertices.iter().all(|v| least < v.half_b.lo && v.reach.hi.is_finite())
+        self.conditioned
+            && self
+                .vertices
+                .iter()
+                .all(|v| least < v.half_b.lo && v.reach.hi.is_finite())
     }
+}
+
+/// Whether two sides bulge so differently, for how close they run, that the surface between them
+/// would stand like a wall: a needle with one straight side and one curved one.
+pub(super) fn shears<S: Scalar>(patch: &Patch<S>) -> bool {
+    let least = patch
+        .sides
+        .iter()
+        .fold(S::HUGE, |least, side| least.lesser(side.height));
+    // A side's middle is about an eighth of its mean bend off the plane.
+    let most = least * S::from_f64(8.0 * MAX_SHEAR);
+    (0..3).any(|k| !((patch.mean_bend(k) - patch.mean_bend(next(k))).abs() < most))
 }
 
 /// Whether the guides of some side lean over so far, at the surface's height, that they come near
@@ -216,13 +340,27 @@ pub(super) fn folds<S: Scalar>(patch: &Patch<S>) -> bool {
     let (zero, half, one) = (S::from_f64(0.0), S::from_f64(0.5), S::from_f64(1.0));
     let most = S::from_f64(MAX_FOLD);
     patch.sides.iter().enumerate().any(|(k, side)| {
-        let centroid = if side.obtuse { half } else { (one + side.foot) * S::from_f64(1.0 / 3.0) };
-        let rise = if side.obtuse { ramp_rise(side.foot) } else { side.rise };
-        let places = [zero, centroid * half, centroid, (one + centroid) * half, one];
+        let centroid = if side.obtuse {
+            half
+        } else {
+            (one + side.foot) * S::from_f64(1.0 / 3.0)
+        };
+        let rise = if side.obtuse {
+            ramp_rise(side.foot)
+        } else {
+            side.rise
+        };
+        let places = [
+            zero,
+            centroid * half,
+            centroid,
+            (one + centroid) * half,
+            one,
+        ];
         places.iter().any(|&along| {
             // The height over lambda (1 - lambda), and the median over the same.
-            let lift = (one - along) * end_lift(patch, k, 0, along)
-                + along * end_lift(patch, k, 1, along);
+            let lift =
+                (one - along) * end_lift(patch, k, 0, along) + along * end_lift(patch, k, 1, along);
             let room = if along <= centroid {
                 rise[0] / (one - along)
             } else {
@@ -247,7 +385,8 @@ fn end_lift<S: Scalar>(patch: &Patch<S>, k: usize, end: usize, along: S) -> S {
     let vertex = &patch.vertices[if end == 0 { k } else { next(k) }];
     let one = S::from_f64(1.0);
     let share = along * (one - along);
-    let bend = -side.bend[end] * (one - side.damping * share).greater(S::from_f64(MIN_DAMPING_FACTOR));
+    let bend =
+        -side.bend[end] * (one - side.damping * share).greater(S::from_f64(MIN_DAMPING_FACTOR));
     let half_b = vertex.normal + side.lean * vertex.inward[k];
     let a = side.bend[end] / side.length2 * (one + side.lean * side.lean);
     let discriminant = half_b * half_b - a * bend * share;
@@ -275,7 +414,10 @@ impl<S: Scalar> HeightNet<S> {
             let near_second = middle(j, 1).plus(middle(j, 1)).plus(corner(i, 0));
             [near_first.scaled(third), near_second.scaled(third)]
         });
-        let across = middle(0, 2).plus(middle(1, 2)).plus(middle(2, 2)).scaled(third);
+        let across = middle(0, 2)
+            .plus(middle(1, 2))
+            .plus(middle(2, 2))
+            .scaled(third);
         let sixth = S::from_f64(1.0 / 6.0);
         let centre = across.plus(correction_range(patch).scaled(sixth));
         Self { sides, centre }
@@ -283,6 +425,16 @@ impl<S: Scalar> HeightNet<S> {
 
     fn ranges(&self) -> impl Iterator<Item = Range<S>> + '_ {
         self.sides.iter().flatten().copied().chain([self.centre])
+    }
+
+    /// Whether the heights stay within what a triangle of this size, with sides that bend this
+    /// much, may stand for.
+    pub fn is_low(&self, patch: &Patch<S>) -> bool {
+        let hull = self.ranges().fold(Range::zero(), Range::hull);
+        let bends = patch.sides.iter().flat_map(|side| side.bend);
+        let bend = bends.fold(S::from_f64(0.0), |most, bend| most.greater(bend.abs()));
+        let most = (bend * S::from_f64(MAX_HEIGHT_TO_BEND)).lesser(S::from_f64(MAX_HEIGHT));
+        hull.max_abs().at_most(most)
     }
 
     /// Least and greatest height, with room for rounding.
@@ -299,7 +451,9 @@ fn correction_range<S: Scalar>(patch: &Patch<S>) -> Range<S> {
     let half = S::from_f64(0.5);
     let of_side = |k: usize| {
         let [c0, c1, c2] = patch.sides[k].correction;
-        Range::of(c0).hull(Range::of(c0 + c1 * half)).hull(Range::of(c0 + c1 + c2))
+        Range::of(c0)
+            .hull(Range::of(c0 + c1 * half))
+            .hull(Range::of(c0 + c1 + c2))
     };
     of_side(0).hull(of_side(1)).hull(of_side(2))
 }
@@ -334,7 +488,9 @@ impl<S: Scalar> Patch<S> {
     fn axis_range(&self, net: Option<&HeightNet<S>>, of: fn(Vector<S>) -> S) -> Range<S> {
         let zero = S::from_f64(0.0);
         let points = [zero, of(self.spokes[0]), of(self.spokes[1])];
-        let mut hull = points.iter().fold(Range::zero(), |hull, &p| hull.hull(Range::of(p)));
+        let mut hull = points
+            .iter()
+            .fold(Range::zero(), |hull, &p| hull.hull(Range::of(p)));
         if let Some(net) = net {
             let guide = self.guide_range(of);
             let third = S::from_f64(1.0 / 3.0);
@@ -354,8 +510,11 @@ impl<S: Scalar> Patch<S> {
         let hull = hull.widened(inside + hull.max_abs() * S::EPSILON * S::from_f64(8.0));
         let origin = of(self.origin);
         let outside = (origin.abs() + hull.max_abs() * self.size) * S::EPSILON * S::from_f64(4.0);
-        Range { lo: hull.lo * self.size + origin, hi: hull.hi * self.size + origin }
-            .widened(outside)
+        Range {
+            lo: hull.lo * self.size + origin,
+            hi: hull.hi * self.size + origin,
+        }
+        .widened(outside)
     }
 
     /// The range of one coordinate of the guide vectors.

@@ -15,10 +15,12 @@ use super::vector::vector;
 
 /// Where along a side the slope is sampled.
 const SAMPLES: [f64; 3] = [0.2, 0.5, 0.8];
-/// Below this cosine of the steepest vertex normal a correction does more harm than good ...
-const FADE_END: f64 = 0.3;
-/// ... and from here on it is taken in full.
-const FADE_START: f64 = 0.5;
+/// Cosine of the steepest vertex normal to the plane's: below the first a correction does more
+/// harm than good, from the second on it is taken in full.
+const STEEP: [f64; 2] = [0.3, 0.5];
+/// Twice the area over the square of the longest side: below the first the slopes drown in
+/// rounding, from the second on they are taken in full.
+const THIN: [f64; 2] = [3e-3, 1e-2];
 
 /// Sets the correction of every curved side.
 pub(super) fn fit<S: Scalar>(patch: &mut Patch<S>, flags: PatchFlags) {
@@ -31,12 +33,15 @@ pub(super) fn fit<S: Scalar>(patch: &mut Patch<S>, flags: PatchFlags) {
     }
 }
 
-/// 1 for ordinary triangles, fading to 0 where a vertex normal is very steep.
+/// 1 for ordinary triangles, fading to 0 where they are very steep or very thin.
 fn strength<S: Scalar>(patch: &Patch<S>) -> S {
-    let vertices = &patch.vertices;
-    let least = vertices[0].normal.lesser(vertices[1].normal).lesser(vertices[2].normal);
-    let share = (least - S::from_f64(FADE_END)) * S::from_f64(1.0 / (FADE_START - FADE_END));
-    share.greater(S::from_f64(0.0)).lesser(S::from_f64(1.0))
+    let [a, b, c] = [0, 1, 2].map(|i| patch.vertices[i].normal);
+    let [p, q, r] = [0, 1, 2].map(|k| patch.sides[k].length2);
+    let fade = |value: S, [from, to]: [f64; 2]| {
+        let share = (value - S::from_f64(from)) * S::from_f64(1.0 / (to - from));
+        share.greater(S::from_f64(0.0)).lesser(S::from_f64(1.0))
+    };
+    fade(a.lesser(b).lesser(c), STEEP) * fade(patch.area2 / p.greater(q).greater(r), THIN)
 }
 
 /// The bubble's slope `nu` at the share `along` of side `k`.
@@ -74,7 +79,10 @@ fn slope<S: Scalar>(patch: &Patch<S>, k: usize, along: S) -> S {
 }
 
 fn constant<S: Scalar>(value: S) -> Dual<S, 2> {
-    Dual { value, parts: [S::from_f64(0.0); 2] }
+    Dual {
+        value,
+        parts: [S::from_f64(0.0); 2],
+    }
 }
 
 /// Coefficients of the quadratic through the three sampled values.

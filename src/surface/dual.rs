@@ -25,7 +25,10 @@ impl<V: Real, const N: usize> Dual<V, N> {
 
     #[inline(always)]
     fn with(value: V, part: impl Fn(usize) -> V) -> Self {
-        Self { value, parts: std::array::from_fn(part) }
+        Self {
+            value,
+            parts: std::array::from_fn(part),
+        }
     }
 }
 
@@ -61,7 +64,9 @@ impl<V: Real, const N: usize> Div for Dual<V, N> {
     fn div(self, other: Self) -> Self {
         let inverse = V::constant(1.0) / other.value;
         let value = self.value * inverse;
-        Self::with(value, |n| (self.parts[n] - value * other.parts[n]) * inverse)
+        Self::with(value, |n| {
+            (self.parts[n] - value * other.parts[n]) * inverse
+        })
     }
 }
 
@@ -76,7 +81,10 @@ impl<V: Real, const N: usize> Neg for Dual<V, N> {
 impl<V: Real, const N: usize> Jet<V> for Dual<V, N> {
     #[inline(always)]
     fn lift(value: V) -> Self {
-        Self { value, parts: [V::constant(0.0); N] }
+        Self {
+            value,
+            parts: [V::constant(0.0); N],
+        }
     }
     #[inline(always)]
     fn value(self) -> V {
@@ -88,7 +96,10 @@ impl<V: Real, const N: usize> Jet<V> for Dual<V, N> {
     }
     #[inline(always)]
     fn plus(self, term: V) -> Self {
-        Self { value: self.value + term, ..self }
+        Self {
+            value: self.value + term,
+            ..self
+        }
     }
     #[inline(always)]
     fn select(mask: V::Mask, yes: Self, no: Self) -> Self {

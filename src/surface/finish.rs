@@ -2,7 +2,7 @@
 //! the roots, then a bracketing method.
 
 use super::ita::{Root, differ};
-use super::real::{Mask, Real, Scalar};
+use super::real::{Mask, Real};
 
 /// Most parts that a segment is sampled in.
 pub const MAX_PARTS: usize = 16;
@@ -54,15 +54,23 @@ pub(super) fn first_root<V: Real>(
     for (n, value) in values.iter_mut().enumerate().take(parts + 1) {
         *value = f(at(n));
     }
-    let mut bracket =
-        Bracket { from: zero, to: length, at_from: zero, at_to: zero, found: V::Mask::splat(false) };
+    let mut bracket = Bracket {
+        from: zero,
+        to: length,
+        at_from: zero,
+        at_to: zero,
+        found: V::Mask::splat(false),
+    };
     for n in (0..parts).rev() {
         let change = differ(values[n], values[n + 1]);
         bracket.replace(change, (at(n), values[n]), (at(n + 1), values[n + 1]));
     }
     probe_minima(&mut f, &values[..=parts], part, alive, &mut bracket);
     let found = bracket.found & alive;
-    Root { at: chandrupatla(f, bracket, tolerance, found), found }
+    Root {
+        at: chandrupatla(f, bracket, tolerance, found),
+        found,
+    }
 }
 
 /// Looks between the samples before the bracket for a change of sign that they miss: a parabola
@@ -80,7 +88,11 @@ fn probe_minima<V: Real>(
     let mut budget = MAX_PROBES;
     for n in 0..values.len() - 2 {
         let at = |k: usize| (part * V::constant((n + k) as f64), values[n + k]);
-        let mut dip = Dip { left: at(0), middle: at(1), right: at(2) };
+        let mut dip = Dip {
+            left: at(0),
+            middle: at(1),
+            right: at(2),
+        };
         // Only what lies before the first change of sign matters: after it the first root is known.
         settled = settled | differ(dip.left.1, dip.middle.1) | differ(dip.middle.1, dip.right.1);
         let mut look = !settled;
@@ -124,7 +136,12 @@ impl<V: Real> Dip<V> {
         let x = V::select(curved, -slope, zero) / V::select(curved, bend + bend, one);
         let value = self.middle.1 + x * V::constant(0.5) * slope / V::select(curved, divisor, one);
         let inside = to_left.less(x) & x.less(to_right);
-        let least = self.left.1.abs().lesser(self.middle.1.abs()).lesser(self.right.1.abs());
+        let least = self
+            .left
+            .1
+            .abs()
+            .lesser(self.middle.1.abs())
+            .lesser(self.right.1.abs());
         let nears = value.abs().less(least * V::constant(PROMISE)) | differ(value, self.middle.1);
         (self.middle.0 + x, curved & inside & nears)
     }
@@ -141,7 +158,10 @@ impl<V: Real> Dip<V> {
     fn narrow(&mut self, probe: (V, V)) {
         let after = self.middle.0.less(probe.0);
         let lower = probe.1.abs().less(self.middle.1.abs());
-        let (first, second) = (pair(after, self.middle, probe), pair(after, probe, self.middle));
+        let (first, second) = (
+            pair(after, self.middle, probe),
+            pair(after, probe, self.middle),
+        );
         // In order: left, first, second, right. The middle one is the lower of the inner two.
         let keep_second = (after & lower) | (!after & !lower);
         self.left = pair(keep_second, first, self.left);
@@ -212,14 +232,6 @@ fn next_share<V: Real>(a: V, b: V, c: V, fa: V, fb: V, fc: V) -> V {
     V::select(quadratic, by_b + by_c, half)
 }
 
-/// The tolerance at which a root along a segment is as good as the precision allows: `speed` is
-/// the direction's length in units of the patch, `start` the segment's place on the ray.
-#[inline(always)]
-pub(super) fn tolerance<V: Real>(speed: V, start: V) -> V {
-    let epsilon = V::splat(V::Scalar::EPSILON);
-    epsilon / speed + epsilon * V::constant(0.25) * start.abs()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -232,7 +244,11 @@ mod tests {
     fn the_first_of_several_roots_is_found_to_all_digits() {
         for parts in [4, 8, 16] {
             let root = solve(|x| (x - 0.3) * (x - 0.55) * (x - 0.9), parts);
-            assert!(root.found && (root.at - 0.3).abs() < 1e-13, "{parts}: {}", root.at);
+            assert!(
+                root.found && (root.at - 0.3).abs() < 1e-13,
+                "{parts}: {}",
+                root.at
+            );
         }
     }
 

@@ -98,7 +98,10 @@ mod tests {
         for surface in Surface::ALL {
             let flags = PatchFlags::new(surface).with_straight(1);
             assert_eq!(flags.surface(), surface);
-            assert_eq!([0, 1, 2].map(|k| flags.is_straight(k)), [false, true, false]);
+            assert_eq!(
+                [0, 1, 2].map(|k| flags.is_straight(k)),
+                [false, true, false]
+            );
             assert!(!flags.is_flat() && flags.with_flat().is_flat());
             assert_eq!(flags.with_flat().surface(), surface);
         }

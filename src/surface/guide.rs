@@ -8,6 +8,7 @@
 use super::dual::{at_least, capped, lesser};
 use super::patch::{Patch, Rule, Side, next};
 use super::real::{Jet, Mask, Real, Scalar};
+use super::vector::Vector;
 
 /// Which side's sub-triangle each lane is in.
 #[derive(Clone, Copy)]
@@ -21,13 +22,19 @@ impl<V: Real> Choice<V> {
     #[inline(always)]
     pub fn nearest(b: [V; 3]) -> Self {
         let first = b[2].at_most(b[0]) & b[2].at_most(b[1]);
-        Self { first, second: !first & b[0].at_most(b[1]) }
+        Self {
+            first,
+            second: !first & b[0].at_most(b[1]),
+        }
     }
 
     /// Side `k` in every lane.
     #[inline(always)]
     pub fn only(k: usize) -> Self {
-        Self { first: V::Mask::splat(k == 0), second: V::Mask::splat(k == 1) }
+        Self {
+            first: V::Mask::splat(k == 0),
+            second: V::Mask::splat(k == 1),
+        }
     }
 
     /// The chosen one of three values, one for each side.
@@ -82,8 +89,7 @@ impl<S: Scalar> Patch<S> {
         let sides = &self.sides;
         let b_i = choice.pick(b);
         let b_m = choice.pick([b[2], b[0], b[1]]);
-        let along = choice.pick([b[1], b[2], b[0]])
-            + b_m.times(choice.constant(|k| sides[k].foot));
+        let along = choice.pick([b[1], b[2], b[0]]) + b_m.times(choice.constant(|k| sides[k].foot));
         let limit = self.median(along, choice);
         let ramp = if self.any_obtuse {
             let b_j = choice.pick([b[1], b[2], b[0]]);
@@ -94,7 +100,9 @@ impl<S: Scalar> Patch<S> {
         // At a vertex both the point and its median are at the side: there the guide is the side's.
         let tiny = V::constant(1e-30);
         let share = super::dual::ratio_or_zero(b_m, ramp, tiny);
-        let lean = (-capped(share, one)).plus(one).times(choice.constant(|k| sides[k].lean));
+        let lean = (-capped(share, one))
+            .plus(one)
+            .times(choice.constant(|k| sides[k].lean));
         Foot { b, lean, choice }
     }
 
@@ -108,7 +116,11 @@ impl<S: Scalar> Patch<S> {
         let sides = &self.sides;
         let choice = Choice::<V>::nearest(above);
         if self.rule == Rule::Flat {
-            return Foot { b: above, lean: zero, choice };
+            return Foot {
+                b: above,
+                lean: zero,
+                choice,
+            };
         }
         let foot = choice.constant(|k| sides[k].foot);
         let above_m = choice.pick([above[2], above[0], above[1]]);
@@ -138,15 +150,38 @@ impl<S: Scalar> Patch<S> {
             let second = choice.is(next(next(v)));
             V::select(first, b_i, V::select(second, b_j, b_m))
         });
-        Foot { b, lean: turn * choice.constant(|k| sides[k].lean), choice }
+        Foot {
+            b,
+            lean: turn * choice.constant(|k| sides[k].lean),
+            choice,
+        }
+    }
+
+    /// How far beside a foot's guide the point lies that it was found for, in units of the patch's
+    /// size: zero but for rounding, except where the point is so far off the surface that no guide
+    /// leads there.
+    #[inline(always)]
+    pub(super) fn strayed<V: Real<Scalar = S>>(&self, foot: &Foot<V, V>, above: [V; 3], z: V) -> V {
+        let choice = foot.choice;
+        let out = foot.lean * z / choice.constant(|k| self.sides[k].height);
+        let back = out * choice.constant(|k| self.sides[k].foot);
+        // How the chosen side's first, second and opposite coordinate change along the guide.
+        let shift = [back - out, -back, out];
+        let missed = |v: usize| {
+            let roles = choice.pick([shift[v], shift[(v + 2) % 3], shift[(v + 1) % 3]]);
+            above[v] - foot.b[v] - roles
+        };
+        let [to_second, to_third] = self.spokes.map(Vector::<V>::splat);
+        (to_second * missed(1) + to_third * missed(2)).length()
     }
 
     /// The coordinate of the opposite vertex where the perpendicular at `along` meets the median.
     #[inline(always)]
     fn median<V: Real<Scalar = S>, T: Jet<V>>(&self, along: T, choice: Choice<V>) -> T {
         let from_first = along.times(choice.constant(|k| self.sides[k].rise[0]));
-        let from_second =
-            (-along).plus(V::constant(1.0)).times(choice.constant(|k| self.sides[k].rise[1]));
+        let from_second = (-along)
+            .plus(V::constant(1.0))
+            .times(choice.constant(|k| self.sides[k].rise[1]));
         at_least(lesser(from_first, from_second), V::constant(0.0))
     }
 }

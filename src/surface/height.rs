@@ -63,17 +63,15 @@ impl<S: Scalar> Patch<S> {
     ) -> T {
         let (j, k) = (next(i), next(next(i)));
         let (b_j, b_k) = (foot.b[j], foot.b[k]);
+        let vertex = &self.vertices[i];
         let length2 = |side: usize| V::splat(self.sides[side].length2);
-        // Twice the scalar product of the two sides out of the vertex.
-        let spread = length2(i) + length2(k) - length2(j);
         let distance2 = (b_j * b_j).times(length2(i))
             + (b_k * b_k).times(length2(k))
-            + (b_j * b_k).times(spread);
+            + (b_j * b_k).times(V::splat(vertex.between + vertex.between));
         let curvature = match self.rule {
             Rule::Angular => self.angular(i, foot.b, distance2),
             _ => self.tensor(i, foot.b),
         };
-        let vertex = &self.vertices[i];
         let normal_guide = foot
             .lean
             .times(foot.choice.constant(|side| vertex.inward[side]))
@@ -98,17 +96,20 @@ impl<S: Scalar> Patch<S> {
     ) -> Curvature<T> {
         let (j, k) = (next(i), next(next(i)));
         let (to_j, to_k) = (&self.sides[i], &self.sides[k]);
-        let half = S::from_f64(0.5);
-        let between = (to_j.length2 + to_k.length2 - self.sides[j].length2) * half;
         let aside = b[j].times(V::splat(self.area2));
-        let ahead = b[k].times(V::splat(to_k.length2)) + b[j].times(V::splat(between));
-        let share = aside.atan2(ahead).times(V::splat(self.vertices[i].inverse_angle));
+        let ahead =
+            b[k].times(V::splat(to_k.length2)) + b[j].times(V::splat(self.vertices[i].between));
+        let share = aside
+            .atan2(ahead)
+            .times(V::splat(self.vertices[i].inverse_angle));
         let (at_j, at_k) = (to_j.bend[0] / to_j.length2, to_k.bend[1] / to_k.length2);
         let c = share.times(V::splat(at_j - at_k)).plus(V::splat(at_k));
         let times_distance2 = c * distance2;
-        let tangential =
-            b[j].times(V::splat(to_j.bend[0])) + b[k].times(V::splat(to_k.bend[1]));
-        Curvature { times_distance2, offset: times_distance2 - tangential }
+        let tangential = b[j].times(V::splat(to_j.bend[0])) + b[k].times(V::splat(to_k.bend[1]));
+        Curvature {
+            times_distance2,
+            offset: times_distance2 - tangential,
+        }
     }
 
     /// Curvature as the quadratic form that the three sides determine.
@@ -124,7 +125,10 @@ impl<S: Scalar> Patch<S> {
         let offset = -(b_ij.times(V::splat(bend_j))
             + b_ik.times(V::splat(bend_k))
             + b_jk.times(V::splat(across)));
-        Curvature { times_distance2, offset }
+        Curvature {
+            times_distance2,
+            offset,
+        }
     }
 
     /// The bend of a side as the vertex opposite to it sees it: its two ends' mean.

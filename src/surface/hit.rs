@@ -2,13 +2,16 @@
 
 use super::finish::{self, MAX_PARTS};
 use super::ita;
-use super::patch::{Patch, PatchKind, Rule};
+use super::patch::{Patch, PatchKind, Rule, next};
 use super::ray::{Ray, Segment};
 use super::real::{Mask, Real, Scalar};
+use super::vector::Vector;
 
 /// A hit's barycentric coordinates may lie this far outside: neighbours overlap a little.
 const MAX_OUTSIDE: f64 = 9e-5;
 
+/// Most roots of one ray on one patch that are looked at for the first true one.
+const MAX_ROOTS: u32 = 4;
 /// How far beyond a root the search for the next one begins, in units of the patch's size.
 const BEYOND: f64 = 1e-5;
 
@@ -69,20 +72,62 @@ impl<S: Scalar> Patch<S> {
         if !segment.alive.any() {
             return miss;
         }
-        let mut evaluations = 0;
-        let (at, found) = match self.rule {
-            Rule::Flat => {
-                let at = segment.plane_crossing();
-                let inside = V::constant(0.0).at_most(at) & at.at_most(segment.length);
-                (at, segment.alive & inside)
-            }
-            _ => self.first_root(&segment, solver, &mut evaluations),
+        let hit = match self.rule {
+            Rule::Flat => self.plane_hit(&segment),
+            _ => self.surface_hit(segment, solver),
         };
-        let t = segment.start + at;
-        let found = found & ray.tnear.less(t) & t.at_most(ray.tfar);
-        let foot = self.foot_under(segment.projection(at), segment.z(at));
-        let [u, v] = kept_inside(foot.b);
-        Hit { found, t, u, v, evaluations }
+        Hit {
+            found: hit.found & ray.tnear.less(hit.t) & hit.t.at_most(ray.tfar),
+            ..hit
+        }
+    }
+
+    #[inline(always)]
+    fn plane_hit<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Hit<V> {
+        let at = segment.plane_crossing();
+        let inside = V::constant(0.0).at_most(at) & at.at_most(segment.length);
+        let ([u, v], moved) = self.kept_inside(segment.projection(at));
+        let found = segment.alive & inside & moved.at_most(segment.stray_room);
+        Hit {
+            found,
+            t: segment.start + at,
+            u,
+            v,
+            evaluations: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn surface_hit<V: Real<Scalar = S>>(&self, mut segment: Segment<V>, solver: Solver) -> Hit<V> {
+        let zero = V::constant(0.0);
+        let none = V::Mask::splat(false);
+        let mut hit = Hit {
+            found: none,
+            t: zero,
+            u: zero,
+            v: zero,
+            evaluations: 0,
+        };
+        for _ in 0..MAX_ROOTS {
+            let (at, found) = self.first_root(&segment, solver, &mut hit.evaluations);
+            let (above, z) = (segment.projection(at), segment.z(at));
+            let foot = self.foot_under(above, z);
+            let ([u, v], moved) = self.kept_inside(foot.b);
+            // A foot outside is no hit. And far off the surface the inverse of the guide field can
+            // jump, and F with it, past zero: no root either.
+            let beside = self.strayed(&foot, above, z).greater(moved);
+            let true_root = found & beside.at_most(segment.stray_room);
+            hit.t = V::select(true_root, segment.start + at, hit.t);
+            hit.u = V::select(true_root, u, hit.u);
+            hit.v = V::select(true_root, v, hit.v);
+            hit.found = hit.found | true_root;
+            segment.alive = found & !true_root;
+            if !segment.alive.any() {
+                break;
+            }
+            segment.skip_to(at);
+        }
+        hit
     }
 
     /// The least parameter at which to look for the root after the one at `t`: beyond the reach of
@@ -110,7 +155,7 @@ impl<S: Scalar> Patch<S> {
         let root = match solver {
             Solver::Ita { bits, step } => ita::first_root(f, segment.length, bits, step),
             Solver::Finish { parts } => {
-                let tolerance = finish::tolerance(segment.speed, segment.start);
+                let tolerance = segment.tolerance();
                 let parts = (parts as usize).clamp(2, MAX_PARTS);
                 finish::first_root(f, segment.length, tolerance, segment.alive, parts)
             }
@@ -119,12 +164,31 @@ impl<S: Scalar> Patch<S> {
     }
 }
 
-/// `b2` and `b3`, moved inside where rounding of a ray from afar put them further out than
-/// neighbours overlap.
-#[inline(always)]
-fn kept_inside<V: Real>(b: [V; 3]) -> [V; 2] {
-    let floor = V::constant(-MAX_OUTSIDE);
-    let b = b.map(|b| b.greater(floor));
-    let unit = V::constant(1.0) / (b[0] + b[1] + b[2]);
-    [b[1] * unit, b[2] * unit]
+impl<S: Scalar> Patch<S> {
+    /// `b2` and `b3`, moved onto the nearest side where rounding of a ray from afar put them
+    /// further out than neighbours overlap; and how far that is, in units of the patch's size.
+    #[inline(always)]
+    fn kept_inside<V: Real<Scalar = S>>(&self, b: [V; 3]) -> ([V; 2], V) {
+        let (zero, one) = (V::constant(0.0), V::constant(1.0));
+        let floor = V::constant(-MAX_OUTSIDE);
+        let outside = b[0].less(floor) | b[1].less(floor) | b[2].less(floor);
+        let (mut u, mut v, mut furthest) = (b[1], b[2], zero);
+        for (k, side) in self.sides.iter().enumerate() {
+            let (j, m) = (next(k), next(next(k)));
+            let distance = b[m] * V::splat(side.height);
+            let further = outside & distance.less(furthest);
+            let along = (b[j] + b[m] * V::splat(side.foot))
+                .greater(zero)
+                .lesser(one);
+            let mut on_side = [zero; 3];
+            on_side[k] = one - along;
+            on_side[j] = along;
+            u = V::select(further, on_side[1], u);
+            v = V::select(further, on_side[2], v);
+            furthest = V::select(further, distance, furthest);
+        }
+        let [to_second, to_third] = self.spokes.map(Vector::<V>::splat);
+        let moved = (to_second * (b[1] - u) + to_third * (b[2] - v)).length();
+        ([u, v], moved)
+    }
 }

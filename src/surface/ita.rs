@@ -53,7 +53,10 @@ pub(super) fn first_root<V: Real>(
     let drop = left - right;
     let moves = zero.less(drop.abs());
     let share = V::select(moves, left, zero) / V::select(moves, drop, V::constant(1.0));
-    Root { at: start + width * share, found }
+    Root {
+        at: start + width * share,
+        found,
+    }
 }
 
 /// One pass over the samples of a step.

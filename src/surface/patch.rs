@@ -90,6 +90,9 @@ pub(super) struct Vertex<S> {
     pub normal: S,
     /// Normal times each side's inward perpendicular.
     pub inward: [S; 3],
+    /// Scalar product of the two sides out of the vertex; on its own, since on thin triangles it
+    /// drowns in a difference of squared lengths.
+    pub between: S,
     /// One over the angle at the vertex, radians.
     pub inverse_angle: S,
 }
@@ -133,6 +136,11 @@ pub struct Patch<S> {
     pub(super) gradients: [Vector<S>; 3],
     pub(super) sides: [Side<S>; 3],
     pub(super) vertices: [Vertex<S>; 3],
+    /// The longest side: the frame in which rays are set up, because on a needle the gradients'
+    /// rounding would shift points along it.
+    pub(super) base: usize,
+    /// The longest side's edge over its squared length.
+    pub(super) along_base: Vector<S>,
     /// Twice the area.
     pub(super) area2: S,
     /// Least and greatest height of the surface over its plane.
@@ -199,7 +207,9 @@ impl<S: Scalar> Patch<S> {
             flags,
             kind: self.kind,
             slab: self.slab.map(|z| z.to_f64() as f32),
-            correction: self.sides.map(|side| side.correction.map(|c| c.to_f64() as f32)),
+            correction: self
+                .sides
+                .map(|side| side.correction.map(|c| c.to_f64() as f32)),
         }
     }
 
@@ -229,7 +239,10 @@ impl<S: Scalar> Patch<S> {
         let mut patch = Self::empty(positions[0]);
         let spokes = [positions[1] - positions[0], positions[2] - positions[0]];
         let opposite = positions[2] - positions[1];
-        let extent = spokes[0].max_abs().greater(spokes[1].max_abs()).greater(opposite.max_abs());
+        let extent = spokes[0]
+            .max_abs()
+            .greater(spokes[1].max_abs())
+            .greater(opposite.max_abs());
         let tiny = S::from_f64(1e-30);
         if !(tiny.less(extent) && extent < S::HUGE && positions[0].is_finite()) {
             return patch;
@@ -238,7 +251,11 @@ impl<S: Scalar> Patch<S> {
         let unit = S::from_f64(1.0) / patch.size;
         patch.spokes = spokes.map(|spoke| spoke * unit);
         // Every side by direct subtraction of its ends, never as a sum of other sides.
-        let edges = [patch.spokes[0], opposite * unit, (positions[0] - positions[2]) * unit];
+        let edges = [
+            patch.spokes[0],
+            opposite * unit,
+            (positions[0] - positions[2]) * unit,
+        ];
         if !patch.lay_plane(edges, normals) {
             return patch;
         }
@@ -273,7 +290,12 @@ impl<S: Scalar> Patch<S> {
             damping: zero,
             correction: [zero; 3],
         };
-        let vertex = Vertex { normal: zero, inward: [zero; 3], inverse_angle: zero };
+        let vertex = Vertex {
+            normal: zero,
+            inward: [zero; 3],
+            between: zero,
+            inverse_angle: zero,
+        };
         Self {
             origin,
             size: S::from_f64(1.0),
@@ -283,6 +305,8 @@ impl<S: Scalar> Patch<S> {
             gradients: [none; 3],
             sides: [side; 3],
             vertices: [vertex; 3],
+            base: 0,
+            along_base: none,
             area2: zero,
             slab: [zero; 2],
             rule: Rule::Flat,
@@ -295,7 +319,12 @@ impl<S: Scalar> Patch<S> {
     fn lay_plane(&mut self, edges: [Vector<S>; 3], normals: [Vector<S>; 3]) -> bool {
         // The two shortest sides give the most certain vector product.
         let lengths = edges.map(|edge| edge.dot(edge));
-        let longest = (0..3).fold(0, |best, k| if lengths[best] < lengths[k] { k } else { best });
+        let longest = (0..3).fold(
+            0,
+            |best, k| if lengths[best] < lengths[k] { k } else { best },
+        );
+        self.base = longest;
+        self.along_base = edges[longest] * (S::from_f64(1.0) / lengths[longest]);
         let cross = edges[next(longest)].cross(edges[next(next(longest))]);
         self.area2 = cross.length();
         if !(S::from_f64(DEGENERATE_AREA) < self.area2) {
@@ -303,7 +332,11 @@ impl<S: Scalar> Patch<S> {
         }
         let geometric = cross * (S::from_f64(1.0) / self.area2);
         let agreement = geometric.dot(normals[0] + normals[1] + normals[2]);
-        self.winding = S::from_f64(if agreement < S::from_f64(0.0) { -1.0 } else { 1.0 });
+        self.winding = S::from_f64(if agreement < S::from_f64(0.0) {
+            -1.0
+        } else {
+            1.0
+        });
         self.normal = geometric * self.winding;
         for k in 0..3 {
             let inward = geometric.cross(edges[k]);
@@ -319,7 +352,10 @@ impl<S: Scalar> Patch<S> {
             PatchKind::Flat(FlatReason::Asked)
         } else if self.area2 < S::from_f64(SLIVER_AREA) {
             PatchKind::Flat(FlatReason::Sliver)
-        } else if normals.iter().any(|n| !(least < n.dot(self.normal)) || !n.is_finite()) {
+        } else if normals
+            .iter()
+            .any(|n| !(least < n.dot(self.normal)) || !n.is_finite())
+        {
             // A NaN fails the comparison and ends here as well.
             PatchKind::Flat(FlatReason::BackNormal)
         } else {
@@ -353,7 +389,11 @@ impl<S: Scalar> Patch<S> {
         let margin = S::from_f64(MIN_CENTROID_FOOT);
         let obtuse = !(margin < centroid && centroid < one - margin);
         let third = S::from_f64(1.0 / 3.0);
-        let rise = if obtuse { [one; 2] } else { [third / centroid, third / (one - centroid)] };
+        let rise = if obtuse {
+            [one; 2]
+        } else {
+            [third / centroid, third / (one - centroid)]
+        };
         let straight = flags.is_straight(k);
         let two = S::from_f64(2.0);
         let bend = [first.dot(edge) * two, -(second.dot(edge) * two)];
@@ -368,7 +408,11 @@ impl<S: Scalar> Patch<S> {
             rise,
             obtuse,
             bend: if straight { [zero; 2] } else { bend },
-            damping: if damped { damping * S::from_f64(4.0) } else { zero },
+            damping: if damped {
+                damping * S::from_f64(4.0)
+            } else {
+                zero
+            },
             correction: [zero; 3],
         }
     }
@@ -380,20 +424,25 @@ impl<S: Scalar> Patch<S> {
         Vertex {
             normal: normal.dot(self.normal),
             inward,
+            between,
             inverse_angle: S::from_f64(1.0) / Real::atan2(self.area2, between),
         }
     }
 
     /// Chooses the rule, adds the correction, and bounds the heights.
     fn curve(&mut self, flags: PatchFlags) -> Result<HeightNet<S>, FlatReason> {
-        let mut spread = bounds::spread(self);
-        if self.rule == Rule::Tensor && !spread.is_tame() && !flags.is_unchecked() {
-            self.rule = Rule::Angular;
-            self.kind = PatchKind::Fallback;
-            spread = bounds::spread(self);
+        if self.rule == Rule::Tensor && !flags.is_unchecked() {
+            let spread = bounds::spread(self);
+            if !(spread.is_tame() && HeightNet::new(self, &spread).is_low(self)) {
+                self.rule = Rule::Angular;
+                self.kind = PatchKind::Fallback;
+            }
         }
+        let spread = bounds::spread(self);
         if !flags.is_unchecked() {
-            if !spread.reaches() {
+            if !(spread.reaches() && HeightNet::new(self, &spread).is_low(self))
+                || bounds::shears(self)
+            {
                 return Err(FlatReason::Bend);
             }
             if bounds::folds(self) {
@@ -423,4 +472,7 @@ impl<S: Scalar> Patch<S> {
     }
 }
 
-const _: () = assert!(size_of::<PatchRecord>() == 48, "what is kept of a triangle has grown");
+const _: () = assert!(
+    size_of::<PatchRecord>() == 48,
+    "what is kept of a triangle has grown"
+);

@@ -62,9 +62,7 @@ impl<S: Scalar> Patch<S> {
         let (foot, h) = self.raised(off_vertex(u, v));
         let out = foot.lean * h;
         let (normal, inward) = (Vector::splat(self.normal), self.inward(&foot));
-        [0, 1].map(|n| {
-            Vector::splat(self.spokes[n]) + normal * h.parts[n] + inward * out.parts[n]
-        })
+        [0, 1].map(|n| Vector::splat(self.spokes[n]) + normal * h.parts[n] + inward * out.parts[n])
     }
 
     /// The foot and the height over it, with their derivatives by u and v.
@@ -72,7 +70,10 @@ impl<S: Scalar> Patch<S> {
     fn raised<V: Real<Scalar = S>>(&self, [u, v]: [V; 2]) -> (Foot<V, Dual<V, 2>>, Dual<V, 2>) {
         let b2 = Dual::<V, 2>::variable(u, 0);
         let b3 = Dual::<V, 2>::variable(v, 1);
-        let one = Dual { value: V::constant(1.0), parts: [V::constant(0.0); 2] };
+        let one = Dual {
+            value: V::constant(1.0),
+            parts: [V::constant(0.0); 2],
+        };
         let foot = self.foot_at::<V, _>([one - b2 - b3, b2, b3]);
         let h = self.height(&foot);
         (foot, h)
@@ -82,9 +83,8 @@ impl<S: Scalar> Patch<S> {
     #[inline(always)]
     fn inward<V: Real<Scalar = S>, T>(&self, foot: &Foot<V, T>) -> Vector<V> {
         let of = |component: fn(Vector<S>) -> S| {
-            foot.choice.constant(|k| {
-                component(self.gradients[next(next(k))]) * self.sides[k].height
-            })
+            foot.choice
+                .constant(|k| component(self.gradients[next(next(k))]) * self.sides[k].height)
         };
         vector(of(|g| g.x), of(|g| g.y), of(|g| g.z))
     }

@@ -28,8 +28,11 @@ pub(super) struct Segment<V: Real> {
     pub length: V,
     /// Whether there is an interval at all.
     pub alive: V::Mask,
+    /// How far beside a guide a point may lie and still count as on it, in units of the patch's
+    /// size: what rounding of the ray comes to.
+    pub stray_room: V,
     /// Length of the direction in units of the patch's size.
-    pub speed: V,
+    speed: V,
     /// Barycentric coordinates of the vertical projection at the start, and their rates.
     b: [V; 3],
     b_rate: [V; 3],
@@ -41,6 +44,8 @@ pub(super) struct Segment<V: Real> {
 /// How far beyond its sides a patch is still searched, in barycentric coordinates, before the
 /// ray's own rounding: a guard, so that no ray slips between neighbours.
 const OVERLAP_EPSILONS: f64 = 256.0;
+/// How far beside a guide a hit may lie before the ray's own rounding.
+const STRAY_EPSILONS: f64 = 64.0;
 /// What a ray from one unit away moves by rounding, in units of epsilon.
 const RAY_EPSILONS: f64 = 4.0;
 
@@ -70,11 +75,20 @@ impl<V: Real> Segment<V> {
         let from = (ray.origin - Vector::splat(patch.origin)) * unit;
         let along = ray.direction * unit;
         let mut segment = Self::unclipped(patch, from, along, ray.tnear, ray.tfar);
-        segment.clip_to(patch, max_abs(from));
+        let distance = max_abs(from);
+        segment.clip_to(patch, distance);
         // Begin anew at the entry: the steps along the ray are then small against its position.
         let entry = V::select(segment.alive, segment.start, ray.tnear);
         let local = Self::unclipped(patch, from + along * entry, along, entry, ray.tfar);
-        Self { start: entry, length: segment.length, alive: segment.alive, ..local }
+        let epsilons = V::splat(S::EPSILON * S::from_f64(RAY_EPSILONS));
+        let stray_room = distance * epsilons + V::splat(S::EPSILON * S::from_f64(STRAY_EPSILONS));
+        Self {
+            start: entry,
+            length: segment.length,
+            alive: segment.alive,
+            stray_room,
+            ..local
+        }
     }
 
     #[inline(always)]
@@ -88,18 +102,33 @@ impl<V: Real> Segment<V> {
     where
         V: Real<Scalar = S>,
     {
-        let one = V::constant(1.0);
+        let (zero, one) = (V::constant(0.0), V::constant(1.0));
         let normal = Vector::<V>::splat(patch.normal);
-        let [_, second, third] = patch.gradients.map(Vector::<V>::splat);
-        let (b2, b3) = (second.dot(from), third.dot(from));
-        let (rate2, rate3) = (second.dot(along), third.dot(along));
+        let (i, j, m) = (patch.base, next(patch.base), next(next(patch.base)));
+        let corner = match i {
+            0 => from,
+            _ => from - Vector::splat(patch.spokes[i - 1]),
+        };
+        let (across, base) = (
+            Vector::splat(patch.gradients[m]),
+            Vector::splat(patch.along_base),
+        );
+        let foot = V::splat(patch.sides[i].foot);
+        let coordinates = |b_m: V, x: V, sum: V| {
+            let mut b = [zero; 3];
+            b[m] = b_m;
+            b[j] = x - foot * b_m;
+            b[i] = sum - b[j] - b_m;
+            b
+        };
         Self {
             start,
             length: end,
             alive: V::Mask::splat(true),
+            stray_room: zero,
             speed: along.length(),
-            b: [one - b2 - b3, b2, b3],
-            b_rate: [-(rate2 + rate3), rate2, rate3],
+            b: coordinates(across.dot(corner), base.dot(corner), one),
+            b_rate: coordinates(across.dot(along), base.dot(along), zero),
             z: normal.dot(from),
             z_rate: normal.dot(along),
         }
@@ -126,7 +155,10 @@ impl<V: Real> Segment<V> {
             let m = next(next(k));
             let tilt = V::splat(side.tilt);
             let guard = guard(patch, k, distance);
-            keep(self.b[m] - tilt * self.z + guard, self.b_rate[m] - tilt * self.z_rate);
+            keep(
+                self.b[m] - tilt * self.z + guard,
+                self.b_rate[m] - tilt * self.z_rate,
+            );
         }
         // A flat triangle's slab has no thickness: there the crossing of its plane decides.
         if patch.rule != Rule::Flat {
@@ -138,6 +170,24 @@ impl<V: Real> Segment<V> {
         self.start = lo;
         self.length = hi - lo;
         self.alive = alive & lo.at_most(hi);
+    }
+
+    /// The tolerance at which a root is as good as the precision allows, in the segment's parameter.
+    #[inline(always)]
+    pub fn tolerance(&self) -> V {
+        let epsilon = V::splat(V::Scalar::EPSILON);
+        epsilon / self.speed + epsilon * V::constant(0.25) * self.start.abs()
+    }
+
+    /// Begins the segment anew a little beyond `at`.
+    #[inline(always)]
+    pub fn skip_to(&mut self, at: V) {
+        let at = at + self.tolerance() * V::constant(16.0);
+        self.b = self.projection(at);
+        self.z = self.z(at);
+        self.start = self.start + at;
+        self.length = self.length - at;
+        self.alive = self.alive & V::constant(0.0).less(self.length);
     }
 
     /// Height over the plane at the segment's parameter.

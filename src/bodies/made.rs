@@ -1,0 +1,133 @@
+//! Meshes made by formula.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::revolution::Revolution;
+use crate::mesh::Mesh;
+
+/// A torus with bumps all over, of ring radius 1, with its true normals: closed, and of about as
+/// many triangles as wanted, from 18 to tens of millions.
+///
+/// # Panics
+///
+/// If there are more than 2^31 index values.
+#[must_use]
+pub fn bumpy_torus(triangles: usize) -> Mesh {
+    // Pieces around the ring to those around the tube as 4 to 3: about square ones.
+    let tube = ((triangles as f64 * 3.0 / 8.0).sqrt().round() as usize).max(3);
+    let ring = triangles.div_ceil(2 * tube).max(3);
+    let (positions, normals) = (0..ring * tube)
+        .into_par_iter()
+        .map(|i| {
+            let a = TAU * (i / tube) as f64 / ring as f64;
+            let b = TAU * (i % tube) as f64 / tube as f64;
+            bumpy_torus_point(a, b)
+        })
+        .unzip();
+    let vertex = |i: usize, j: usize| ((i % ring) * tube + j % tube) as u32;
+    let corners = (0..ring * tube)
+        .into_par_iter()
+        .flat_map_iter(|i| {
+            let (i, j) = (i / tube, i % tube);
+            let q = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| vertex(i, j));
+            [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]
+        })
+        .collect();
+    Mesh::new(positions, Some(normals), corners).expect("a torus is a mesh")
+}
+
+/// The point at the angles `a` around the ring and `b` around the tube, and the normal.
+fn bumpy_torus_point(a: f64, b: f64) -> (DVec3, DVec3) {
+    const BUMP: f64 = 0.04;
+    let (bumps_a, bumps_b) = (12.0, 5.0);
+    let tube = 0.4 + BUMP * (bumps_a * a).cos() * (bumps_b * b).cos();
+    let tube_a = -BUMP * bumps_a * (bumps_a * a).sin() * (bumps_b * b).cos();
+    let tube_b = -BUMP * bumps_b * (bumps_a * a).cos() * (bumps_b * b).sin();
+    let around = DVec2::from_angle(a).extend(0.0);
+    let along = DVec2::from_angle(a).perp().extend(0.0);
+    let out = b.cos() * around + b.sin() * DVec3::Z;
+    let across = -b.sin() * around + b.cos() * DVec3::Z;
+    let by_a = tube_a * out + (1.0 + tube * b.cos()) * along;
+    let by_b = tube_b * out + tube * across;
+    (around + tube * out, by_a.cross(by_b))
+}
+
+/// A closed cylinder of radius 1 from z = 0 to `height` with hard rims, cut into `segments`
+/// around, with the true normals: `4 * segments` triangles.
+///
+/// # Panics
+///
+/// If there are fewer than 3 segments.
+#[must_use]
+pub fn capped_cylinder(segments: usize, height: f64) -> Mesh {
+    let mut body = Revolution::new(circle(segments));
+    let (bottom, top) = (DVec2::new(1.0, 0.0), DVec2::new(1.0, height));
+    body.disc(bottom, -1.0);
+    body.band([(bottom, DVec2::X), (top, DVec2::X)]);
+    body.disc(top, 1.0);
+    body.mesh()
+}
+
+/// A closed cone of base radius 1 from z = 0 up to `height` with a hard rim, cut into `segments`
+/// around: `2 * segments` triangles. The apex has each triangle's own normal.
+///
+/// # Panics
+///
+/// If there are fewer than 3 segments.
+#[must_use]
+pub fn capped_cone(segments: usize, height: f64) -> Mesh {
+    let mut body = Revolution::new(circle(segments));
+    let normal = DVec2::new(height, 1.0);
+    body.disc(DVec2::X, -1.0);
+    body.cone((DVec2::X, normal), (DVec2::new(0.0, height), normal));
+    body.mesh()
+}
+
+/// The unit circle's points and, as its normals, the same.
+fn circle(segments: usize) -> Vec<(DVec2, DVec2)> {
+    assert!(segments >= 3, "a circle is cut into 3 segments or more");
+    (0..segments)
+        .map(|i| DVec2::from_angle(TAU * i as f64 / segments as f64))
+        .map(|p| (p, p))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bodies::revolution::tests::check_closed;
+
+    #[test]
+    fn a_bumpy_torus_is_closed_and_smooth_at_any_size() {
+        for wanted in [1, 18, 1000, 100_000] {
+            let mesh = bumpy_torus(wanted);
+            let made = mesh.triangles().len();
+            assert!(made >= wanted && made < wanted + wanted / 10 + 20, "{made}");
+            let counts = check_closed(&mesh, if wanted < 1000 { -1.0 } else { 0.5 });
+            assert_eq!(counts.hard, 0);
+        }
+    }
+
+    #[test]
+    fn a_capped_cylinder_has_two_hard_rims() {
+        let mesh = capped_cylinder(12, 1.5);
+        assert_eq!(mesh.triangles().len(), 48);
+        let counts = check_closed(&mesh, 0.9);
+        assert_eq!(counts.hard, 24);
+        assert!(
+            mesh.normals()
+                .iter()
+                .all(|n| n.z == 0.0 || n.z.abs() == 1.0)
+        );
+    }
+
+    #[test]
+    fn a_capped_cone_has_a_hard_rim_and_hard_edges_to_its_apex() {
+        let mesh = capped_cone(8, 1.25);
+        assert_eq!(mesh.triangles().len(), 16);
+        assert_eq!(check_closed(&mesh, 0.8).hard, 16);
+    }
+}

@@ -1,0 +1,278 @@
+//! What the whole-program tests share: bodies to trace, rays to trace them with.
+
+#![allow(dead_code)] // each test file uses its own part
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use curvetri::curved::{CurvedMesh, CurvedOptions};
+use curvetri::embree::{Device, Geometry, QueryOptions, Ray, RayPacket, Scene, SceneBuilder};
+use curvetri::mesh::{LoadOptions, Mesh, Topology, load};
+use curvetri::surface::{Solver, Surface};
+use glam::Vec3;
+
+/// splitmix64: random numbers that are the same everywhere.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn unit(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+    }
+    pub fn below(&mut self, count: usize) -> usize {
+        ((self.unit() as f64 * count as f64) as usize).min(count - 1)
+    }
+    pub fn in_cube(&mut self) -> Vec3 {
+        Vec3::from_array(std::array::from_fn(|_| self.unit() * 2.0 - 1.0))
+    }
+    pub fn direction(&mut self) -> Vec3 {
+        loop {
+            let v = self.in_cube();
+            if (0.01..1.0).contains(&v.length_squared()) {
+                return v.normalize();
+            }
+        }
+    }
+    pub fn barycentric(&mut self) -> [f32; 3] {
+        let (u, v) = (self.unit(), self.unit());
+        let (u, v) = if u + v > 1.0 {
+            (1.0 - u, 1.0 - v)
+        } else {
+            (u, v)
+        };
+        [1.0 - u - v, u, v]
+    }
+}
+
+/// A mesh to be traced.
+pub struct Body {
+    pub name: String,
+    pub mesh: Arc<Mesh>,
+}
+
+/// A mesh as a committed scene of its own.
+pub struct Traced {
+    pub name: String,
+    pub curved: Arc<CurvedMesh>,
+    pub scene: Scene,
+    pub flat: Scene,
+}
+
+impl Body {
+    pub fn traced(&self, surface: Surface) -> Traced {
+        self.traced_by(surface, Solver::default())
+    }
+
+    pub fn traced_by(&self, surface: Surface, solver: Solver) -> Traced {
+        let device = Device::new().expect("Embree is installed");
+        let options = CurvedOptions { surface, solver };
+        let curved = Arc::new(CurvedMesh::new(self.mesh.clone(), &options));
+        let scene = alone(
+            &device,
+            Geometry::user(&device, curved.clone()).unwrap().commit(),
+        );
+        let mesh = &self.mesh;
+        let flat = Geometry::triangles(&device, mesh.positions(), mesh.triangles()).unwrap();
+        let flat = alone(&device, flat.commit());
+        Traced {
+            name: self.name.clone(),
+            curved,
+            scene,
+            flat,
+        }
+    }
+}
+
+fn alone(device: &Device, geometry: Result<Geometry, curvetri::embree::Error>) -> Scene {
+    let mut builder = SceneBuilder::new(device).unwrap().robust(true);
+    builder.attach(&geometry.unwrap());
+    builder.commit().unwrap()
+}
+
+/// The meshes that `CURVETRI_MESHES` points to, by these names; says what it skips.
+pub fn real_meshes(names: &[&str]) -> Vec<Body> {
+    let Some(folder) = std::env::var_os("CURVETRI_MESHES").map(PathBuf::from) else {
+        println!("skipped, because CURVETRI_MESHES is not set: {names:?}");
+        return Vec::new();
+    };
+    let mut bodies = Vec::new();
+    for &name in names {
+        let path = folder.join(name);
+        if path.exists() {
+            let mesh = Arc::new(load(&path, &LoadOptions::default()).unwrap().mesh);
+            bodies.push(Body {
+                name: name.to_owned(),
+                mesh,
+            });
+        } else {
+            println!("skipped, because {} does not exist", path.display());
+        }
+    }
+    bodies
+}
+
+/// Every closed body there is: made by the repo's own programs, and real ones.
+pub fn closed_bodies() -> Vec<Body> {
+    let real = [
+        "spot/spot_triangulated.obj",
+        "bunny_2k.obj",
+        "armadillo_29k.obj",
+    ];
+    let mut bodies = real_meshes(&real);
+    bodies.retain(|body| {
+        let closed = Topology::new(&body.mesh).counts().is_closed();
+        if !closed {
+            println!(
+                "skipped, because it is not closed: {} {:?}",
+                body.name,
+                Topology::new(&body.mesh).counts()
+            );
+        }
+        closed
+    });
+    bodies
+}
+
+/// How many of some rays failed.
+#[derive(Debug)]
+pub struct Tally {
+    pub failed: usize,
+    pub total: usize,
+    /// One that failed.
+    pub example: Option<Ray>,
+}
+
+impl Tally {
+    pub fn new() -> Self {
+        Self {
+            failed: 0,
+            total: 0,
+            example: None,
+        }
+    }
+    pub fn add(&mut self, ray: Ray, failed: bool) {
+        self.total += 1;
+        if failed {
+            self.failed += 1;
+            self.example = Some(ray);
+        }
+    }
+    pub fn share(&self) -> f64 {
+        self.failed as f64 / self.total.max(1) as f64
+    }
+}
+
+pub fn first_hit(scene: &Scene, ray: &Ray) -> Option<curvetri::embree::Hit> {
+    let mut packet = RayPacket::<1>::from_rays([ray]);
+    scene.intersect(&mut packet, &QueryOptions::INCOHERENT);
+    packet.hit(0)
+}
+
+/// All hits along a ray, each search beginning beyond the last hit's error bound.
+pub fn all_hits(traced: &Traced, ray: &Ray) -> Vec<curvetri::embree::Hit> {
+    let mut hits = Vec::new();
+    let mut rest = *ray;
+    while let Some(hit) = first_hit(&traced.scene, &rest) {
+        hits.push(hit);
+        let bound = traced.curved.error_bound(hit.prim_id, ray, hit.t);
+        let slope = hit
+            .ng
+            .dot(ray.direction)
+            .abs()
+            .max(1e-3 * ray.direction.length());
+        rest.tnear = hit.t + bound / slope;
+        assert!(
+            hits.len() < 1000,
+            "{}: a ray never ends: {ray:?}",
+            traced.name
+        );
+    }
+    hits
+}
+
+/// A point well inside a closed body: rays from it cross the flat triangles an odd number of times.
+fn inside_point(traced: &Traced, random: &mut Random) -> Vec3 {
+    let bounds = traced.scene.bounds();
+    let (centre, half) = (
+        (bounds.lower + bounds.upper) * 0.5,
+        (bounds.upper - bounds.lower) * 0.5,
+    );
+    loop {
+        let point = centre + half * random.in_cube();
+        let clear = half.max_element() * 0.03;
+        let odd = (0..9).all(|_| {
+            let ray = Ray::new(point, random.direction());
+            let mut rest = ray;
+            let mut crossings = 0;
+            while let Some(hit) = first_hit(&traced.flat, &rest) {
+                if crossings == 0 && hit.t < clear {
+                    return false;
+                }
+                crossings += 1;
+                rest.tnear = hit.t * (1.0 + 1e-6) + clear * 1e-5;
+            }
+            crossings % 2 == 1
+        });
+        if odd {
+            return point;
+        }
+    }
+}
+
+/// Rays from inside at vertices, sides and anywhere that hit nothing.
+pub fn lost_rays(traced: &Traced, count: usize) -> Tally {
+    let mut random = Random(7);
+    let mut tally = Tally::new();
+    let mesh = traced.curved.mesh().clone();
+    let mut origin = Vec3::ZERO;
+    for n in 0..count {
+        if n % 500 == 0 {
+            origin = inside_point(traced, &mut random);
+        }
+        let triangle = random.below(mesh.triangles().len());
+        let p = mesh.triangle_positions(triangle);
+        let target = match n % 3 {
+            0 => p[random.below(3)],
+            1 => {
+                // On the curved side itself.
+                let along = random.unit();
+                let patch = traced.curved.patch(triangle as u32);
+                let (u, v) = [(along, 0.0), (0.0, along), (along, 1.0 - along)][random.below(3)];
+                patch.point(u, v).position.into()
+            }
+            _ => {
+                let b = random.barycentric();
+                p[0] * b[0] + p[1] * b[1] + p[2] * b[2]
+            }
+        };
+        let ray = Ray::new(origin, target - origin);
+        tally.add(ray, first_hit(&traced.scene, &ray).is_none());
+    }
+    tally
+}
+
+/// Rays from outside whose hits are not even in number, or not alternately front and back.
+pub fn odd_rays(traced: &Traced, count: usize) -> Tally {
+    let mut random = Random(11);
+    let mut tally = Tally::new();
+    let bounds = traced.scene.bounds();
+    let (centre, half) = (
+        (bounds.lower + bounds.upper) * 0.5,
+        (bounds.upper - bounds.lower) * 0.5,
+    );
+    for _ in 0..count {
+        let target = centre + half * random.in_cube();
+        let direction = random.direction();
+        let ray = Ray::new(target - direction * (half.length() * 3.0), direction);
+        let hits = all_hits(traced, &ray);
+        let alternate = hits
+            .iter()
+            .enumerate()
+            .all(|(n, hit)| (hit.ng.dot(direction) < 0.0) == (n % 2 == 0));
+        tally.add(ray, hits.len() % 2 == 1 || !alternate);
+    }
+    tally
+}

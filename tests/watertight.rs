@@ -1,0 +1,47 @@
+//! No ray slips through a closed body, and every ray from outside enters as often as it leaves.
+
+mod support;
+
+use curvetri::surface::Surface;
+use support::{lost_rays, odd_rays};
+
+/// Share of rays that may be lost: what Embree's own watertight test allows.
+const MAX_LOST: f64 = 2e-5;
+/// Share of rays from outside that must cross a body evenly and alternately.
+const MIN_EVEN: f64 = 0.9999;
+
+#[test]
+fn no_ray_from_inside_is_lost() {
+    for body in support::closed_bodies() {
+        for surface in Surface::ALL {
+            let traced = body.traced(surface);
+            let lost = lost_rays(&traced, 100_000);
+            println!(
+                "{} {surface:?}: lost {lost:?}, {:?}",
+                traced.name,
+                traced.curved.kinds()
+            );
+            assert!(
+                lost.share() <= MAX_LOST,
+                "{} {surface:?}: {lost:?}",
+                traced.name
+            );
+        }
+    }
+}
+
+#[test]
+fn rays_from_outside_cross_evenly_and_alternately() {
+    for body in support::closed_bodies() {
+        for surface in Surface::ALL {
+            let traced = body.traced(surface);
+            let odd = odd_rays(&traced, 100_000);
+            println!("{} {surface:?}: odd {odd:?}", traced.name);
+            assert!(
+                1.0 - odd.share() >= MIN_EVEN,
+                "{} {surface:?}: {odd:?}",
+                traced.name
+            );
+        }
+    }
+}
