@@ -274,8 +274,9 @@ impl<const N: usize> RayPacket<N> {
         }
         let mut lanes = 0;
         for (lane, good) in good.into_iter().enumerate() {
-            let (tnear, tfar) = (rays.tnear[lane], rays.tfar[lane]);
-            lanes |= u32::from(good && tnear >= 0.0 && tnear <= tfar) << lane;
+            let (tnear, tfar, time) = (rays.tnear[lane], rays.tfar[lane], rays.time[lane]);
+            let good = good && tnear >= 0.0 && tnear <= tfar && (0.0..=1.0).contains(&time);
+            lanes |= u32::from(good) << lane;
         }
         lanes & self.active.0
     }

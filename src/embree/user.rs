@@ -182,7 +182,8 @@ impl QueryRays<'_> {
         filters: Option<impl FnOnce(*const sys::RTCFilterFunctionNArguments)>,
     ) -> Option<Record> {
         let (tnear, tfar) = (self.tnear()[lane], self.tfar()[lane]);
-        if self.valid & 1 << lane == 0 || !(hit.t >= tnear && hit.t <= tfar) {
+        let on_ray = hit.t >= tnear && hit.t <= tfar && hit.t < f32::INFINITY;
+        if self.valid & 1 << lane == 0 || !on_ray {
             return None;
         }
         // SAFETY: the call is Embree's, under way.
