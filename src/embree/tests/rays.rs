@@ -184,7 +184,8 @@ impl UserGeometry for Reporter {
                 ng: Vec3::Z,
             };
             assert_eq!(query.report(lane, hit), counts);
-            // done: a second hit does not count
+            // done: the lane is valid no more, and a second hit does not count
+            assert!(!counts || query.valid() & 1 << lane == 0);
             assert!(!query.report(lane, hit));
         }
     }
