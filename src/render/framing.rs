@@ -98,18 +98,33 @@ impl Framing {
     }
 }
 
-/// A triangle's vertices, each with a ball as large as the curved surface may bulge there, roughly:
-/// half of how far a vertex's tangent plane passes another vertex.
-fn balls(mesh: &Mesh, triangle: &[u32; 3]) -> [(Vec3, f32); 3] {
-    let positions = triangle.map(|v| mesh.positions()[v as usize]);
-    let normals = triangle.map(|v| mesh.normals()[v as usize]);
-    let passing = |i: usize, j: usize| normals[i].dot(positions[j] - positions[i]).abs();
-    let pairs = [(0, 1), (1, 0), (1, 2), (2, 1), (2, 0), (0, 2)];
-    let bulge = pairs
-        .into_iter()
-        .map(|(i, j)| 0.5 * passing(i, j))
+/// Balls that hold the curved surface of a triangle, roughly: around its vertices and around where
+/// its sides' middles and its centroid are lifted to, as far as the vertices' tangent planes say.
+fn balls(mesh: &Mesh, triangle: &[u32; 3]) -> [(Vec3, f32); 7] {
+    let [a, b, c] = triangle.map(|v| mesh.positions()[v as usize]);
+    let [na, nb, nc] = triangle.map(|v| mesh.normals()[v as usize]);
+    // A sphere's side lies this much above its ends' tangent planes.
+    let rise = |p: Vec3, n: Vec3, q: Vec3, m: Vec3| 0.5 * (n - m).dot(p - q);
+    let middle = |p: Vec3, n: Vec3, q: Vec3, m: Vec3| {
+        0.5 * (p + q) + rise(p, n, q, m) / 3.0 * (n + m).normalize_or_zero()
+    };
+    let rises = [rise(a, na, b, nb), rise(b, nb, c, nc), rise(c, nc, a, na)];
+    let lift = 0.5 / 3.0 * (rises[0] + rises[1] + rises[2]);
+    let centroid = (a + b + c) / 3.0 + lift * (na + nb + nc).normalize_or_zero();
+    let radius = rises
+        .iter()
+        .map(|rise| 0.125 * rise.abs())
         .fold(0.0, f32::max);
-    positions.map(|p| (p, bulge))
+    [
+        a,
+        b,
+        c,
+        middle(a, na, b, nb),
+        middle(b, nb, c, nc),
+        middle(c, nc, a, na),
+        centroid,
+    ]
+    .map(|p| (p, radius))
 }
 
 /// Where points cast their shadows on the ground.
