@@ -146,6 +146,16 @@ impl Scene {
         }
     }
 
+    /// Where a secondary ray starts that leaves a hit's surface on the side of `normal`, one of its
+    /// two unit normals there: off the surface by the hit's error, so that the ray does not meet the
+    /// surface it leaves, and by no more, so that it meets whatever is near.
+    ///
+    /// # Panics
+    /// If the hit is not one of this scene's.
+    pub fn leaving_point(&self, hit: &Hit, ray: &Ray, normal: Vec3) -> Vec3 {
+        ray.at(hit.t) + self.error_bound(hit, ray) * normal
+    }
+
     /// The height of the lowest point of the surface along `up` (a unit vector), in the local space.
     ///
     /// Of a curved triangle only the vertices and a grid of points are looked at.
