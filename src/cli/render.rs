@@ -48,15 +48,6 @@ pub struct RenderArgs {
         value_parser = clap::value_parser!(u32).range(1..=65_536))]
     samples: u32,
 
-    #[command(flatten)]
-    view: ViewArgs,
-
-    #[command(flatten)]
-    light: LightArgs,
-
-    #[command(flatten)]
-    surface: SurfaceArgs,
-
     /// Threads to use [default: all]
     #[arg(long, value_name = "N", value_parser = values::threads)]
     threads: Option<usize>,
@@ -68,6 +59,15 @@ pub struct RenderArgs {
     /// Print it as JSON (implies --stats)
     #[arg(long)]
     json: bool,
+
+    #[command(flatten)]
+    view: ViewArgs,
+
+    #[command(flatten)]
+    light: LightArgs,
+
+    #[command(flatten)]
+    surface: SurfaceArgs,
 }
 
 #[derive(Args)]
@@ -240,7 +240,7 @@ impl RenderArgs {
 
 impl ViewArgs {
     fn camera(&self, scene: &Scene, aspect: f64) -> Camera {
-        let framed = Camera::framing(scene.bounds(), self.up_axis.axis(), self.fov, aspect);
+        let framed = Camera::framing(scene, self.up_axis.axis(), self.fov, aspect);
         let target = self.target.unwrap_or(framed.target);
         Camera {
             // A target of its own moves the framing camera along.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::{Args, ValueEnum};
 use curvetri::curved::CurvedOptions;
 use curvetri::mesh::{self, LoadOptions, Mesh};
@@ -87,7 +87,7 @@ impl SurfaceArgs {
             crease_angle_degrees: self.crease_angle,
         };
         let bar = console.spinner("reading");
-        let loaded = mesh::load(path, &options).context("no mesh to work on")?;
+        let loaded = mesh::load(path, &options)?;
         bar.finish_and_clear();
         for warning in &loaded.report.warnings {
             console.warn(&format!("{}: {warning}", path.display()));

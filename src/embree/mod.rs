@@ -36,6 +36,7 @@ mod device;
 mod error;
 mod filter;
 mod geometry;
+mod instance;
 mod packet;
 mod query;
 mod ray;

@@ -3,11 +3,12 @@
 use glam::{DVec3, Vec3};
 use thiserror::Error;
 
+use super::framing::Wedges;
+use super::scene::{Body, Scene};
 use crate::embree::Ray;
-use crate::mesh::Bounds;
 
-/// Room left around the framed bounds' sphere, as a share of its radius.
-const MARGIN: f64 = 0.04;
+/// How much further away than necessary a framing camera stands, as a share of its distance.
+const MARGIN: f64 = 0.05;
 
 /// Which axis points up in the meshes' space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -67,30 +68,27 @@ pub enum CameraError {
 }
 
 impl Camera {
-    /// A camera that sees all of the bounds' sphere from above, in front and a little to the right,
-    /// in a picture of this width over height.
-    pub fn framing(bounds: &Bounds, up: UpAxis, fov_degrees: f64, aspect: f64) -> Self {
+    /// A camera that looks at a scene from above, in front and a little to the right, as near as
+    /// shows all of it in a picture of this width over height.
+    ///
+    /// Flat and curved scenes of the same meshes are framed the same.
+    pub fn framing(scene: &Scene, up: UpAxis, fov_degrees: f64, aspect: f64) -> Self {
         let towards_eye = up.turn(DVec3::new(0.5, 0.42, 1.0)).normalize();
-        Self::framing_from(bounds, towards_eye, up, fov_degrees, aspect)
-    }
-
-    /// The same from a direction: the unit vector from the bounds' centre towards the eye.
-    pub fn framing_from(
-        bounds: &Bounds,
-        towards_eye: DVec3,
-        up: UpAxis,
-        fov_degrees: f64,
-        aspect: f64,
-    ) -> Self {
-        let target = bounds.centre();
-        let half_height = (0.5 * fov_degrees).to_radians().tan();
-        let half_angle = (half_height * aspect.min(1.0)).atan();
+        let axes = Axes::new(-towards_eye, up.vector());
+        let slope = (0.5 * fov_degrees).to_radians().tan();
+        let centre = (scene.bounds().centre() - scene.origin()).as_vec3();
+        let meshes = scene.bodies().iter().map(Body::mesh);
+        let wedges = meshes
+            .map(|mesh| Wedges::around(mesh, centre, &axes, [slope * aspect, slope]))
+            .fold(Wedges::NONE, Wedges::union);
+        let eye = wedges.eye(1.0 + MARGIN);
         // A single point, too, is looked at from somewhere.
-        let smallest = f64::from(f32::EPSILON) * target.abs().max_element();
-        let radius = (0.5 * bounds.diagonal()).max(smallest).max(1e-30);
-        let distance = (1.0 + MARGIN) * radius / half_angle.sin();
+        let middle = scene.bounds().centre();
+        let least = (f64::from(f32::EPSILON) * middle.abs().max_element()).max(1e-30);
+        let [x, y, z] = [eye[0], eye[1], eye[2].max(least)];
+        let target = middle + x * axes.right + y * axes.up;
         Self {
-            eye: target + distance * towards_eye,
+            eye: target + z * towards_eye,
             target,
             up: up.vector(),
             fov_degrees,
@@ -117,13 +115,7 @@ impl Camera {
         let forward = (self.target - self.eye)
             .try_normalize()
             .ok_or(CameraError::NoDirection(self.eye))?;
-        let right = forward.cross(self.up.normalize());
-        let right = if right.length() > 1e-6 {
-            right.normalize()
-        } else {
-            forward.any_orthonormal_vector()
-        };
-        let up = right.cross(forward);
+        let Axes { forward, right, up } = Axes::new(forward, self.up);
         let pixel = 2.0 * (0.5 * self.fov_degrees).to_radians().tan() / height as f64;
         let corner = forward - 0.5 * pixel * (width as f64 * right - height as f64 * up);
         Ok(Lens {
@@ -132,6 +124,30 @@ impl Camera {
             across: (pixel * right).as_vec3(),
             down: (-pixel * up).as_vec3(),
         })
+    }
+}
+
+/// The camera's own axes: unit, perpendicular to each other.
+pub(super) struct Axes {
+    pub forward: DVec3,
+    pub right: DVec3,
+    pub up: DVec3,
+}
+
+impl Axes {
+    /// The axes of a camera that looks along `forward`, a unit vector, with `up` roughly upwards.
+    fn new(forward: DVec3, up: DVec3) -> Self {
+        let right = forward.cross(up.normalize());
+        let right = if right.length() > 1e-6 {
+            right.normalize()
+        } else {
+            forward.any_orthonormal_vector()
+        };
+        Self {
+            forward,
+            right,
+            up: right.cross(forward),
+        }
     }
 }
 
@@ -160,13 +176,15 @@ impl Lens {
 
 #[cfg(test)]
 mod tests {
+    use super::super::scene::Form;
     use super::*;
+    use crate::embree::Device;
+    use crate::mesh::Mesh;
 
-    fn bounds() -> Bounds {
-        Bounds {
-            min: DVec3::new(1.0, 2.0, 3.0),
-            max: DVec3::new(2.0, 4.0, 6.0),
-        }
+    fn scene(positions: Vec<DVec3>) -> Scene {
+        let triangles = (2..positions.len() as u32).map(|i| [0, i - 1, i]).collect();
+        let mesh = Mesh::new(positions, None, triangles).unwrap();
+        Scene::new(&Device::new().unwrap(), vec![mesh], Form::Flat).unwrap()
     }
 
     #[test]
@@ -190,23 +208,43 @@ mod tests {
     }
 
     #[test]
-    fn framed_corners_are_in_the_picture() {
+    fn framed_vertices_are_in_the_picture_and_nearly_fill_it() {
+        let offset = DVec3::new(3e5, 1.0, 2.0);
+        let corners = [
+            DVec3::ZERO,
+            DVec3::new(9.0, 0.0, 1.0),
+            DVec3::new(8.0, 3.0, 0.0),
+        ];
+        let scene = scene(corners.map(|p| p + offset).to_vec());
         for up in [UpAxis::Y, UpAxis::Z] {
-            for (width, height) in [(300, 100), (100, 300)] {
-                let aspect = width as f64 / height as f64;
-                let camera = Camera::framing(&bounds(), up, 35.0, aspect);
-                let lens = camera.lens(DVec3::ZERO, width, height).unwrap();
-                for corner in 0..8 {
-                    let pick = |axis: usize| corner >> axis & 1 == 1;
-                    let Bounds { min, max } = bounds();
-                    let corner =
-                        DVec3::select(glam::BVec3::new(pick(0), pick(1), pick(2)), min, max);
-                    let [x, y] = seen_at(&lens, corner.as_vec3());
-                    assert!((0.0..width as f32).contains(&x), "{x} of {width}");
-                    assert!((0.0..height as f32).contains(&y), "{y} of {height}");
-                }
+            for size in [[300_usize, 100], [100, 300]] {
+                let aspect = size[0] as f64 / size[1] as f64;
+                let camera = Camera::framing(&scene, up, 35.0, aspect);
+                let lens = camera.lens(scene.origin(), size[0], size[1]).unwrap();
+                let seen = scene.bodies()[0].mesh().positions().iter();
+                let seen: Vec<_> = seen.map(|&p| seen_at(&lens, p)).collect();
+                let shares = [0, 1].map(|axis| {
+                    let of = |fold: fn(f32, f32) -> f32, start| {
+                        seen.iter()
+                            .map(|p| p[axis] / size[axis] as f32)
+                            .fold(start, fold)
+                    };
+                    [of(f32::min, 1.0), of(f32::max, 0.0)]
+                });
+                assert!(
+                    shares.iter().all(|[low, high]| *low > 0.0 && *high < 1.0),
+                    "{shares:?}"
+                );
+                let fills = shares.iter().any(|[low, high]| high - low > 0.85);
+                assert!(fills, "{shares:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_scene_of_one_point_is_looked_at_from_somewhere() {
+        let camera = Camera::framing(&scene(vec![DVec3::ONE; 3]), UpAxis::Y, 35.0, 1.0);
+        assert!(camera.lens(DVec3::ZERO, 9, 9).is_ok(), "{camera:?}");
     }
 
     /// Where a point is in the picture, in pixels.
@@ -232,7 +270,12 @@ mod tests {
 
     #[test]
     fn a_camera_that_sees_nothing_is_refused() {
-        let camera = Camera::framing(&bounds(), UpAxis::Y, 35.0, 1.0);
+        let camera = Camera {
+            eye: DVec3::ONE,
+            target: DVec3::ZERO,
+            up: DVec3::Y,
+            fov_degrees: 35.0,
+        };
         let refused = |camera: Camera| camera.lens(DVec3::ZERO, 9, 9).unwrap_err();
         let same = Camera {
             target: camera.eye,

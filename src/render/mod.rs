@@ -9,6 +9,7 @@ mod batch;
 mod camera;
 mod direct;
 mod film;
+mod framing;
 mod light;
 mod output;
 mod sampler;

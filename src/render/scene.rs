@@ -11,6 +11,7 @@ use super::stats::{MemoryParts, Times};
 use crate::curved::{CurvedMesh, CurvedOptions, Kinds};
 use crate::embree::{self, Device, Geometry, Hit, Ray, SceneBuilder};
 use crate::mesh::{Bounds, Mesh};
+use crate::surface::PatchKind;
 
 /// What a mesh's triangles stand for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -219,8 +220,7 @@ fn lowest_of_patch(mesh: &CurvedMesh, triangle: u32, up: Vec3, least: f32) -> f3
     let patch = mesh.patch(triangle);
     let [lower, upper] = patch.bounds().map(Vec3::from);
     let bottom = Vec3::select(up.cmpgt(Vec3::ZERO), lower, upper).dot(up);
-    // Also true for a patch without area, whose box is empty.
-    if !(bottom < least) || patch.kind() == crate::surface::PatchKind::Degenerate {
+    if patch.kind() == PatchKind::Degenerate || bottom >= least {
         return least;
     }
     let share = |n: u32| n as f32 / GRID as f32;

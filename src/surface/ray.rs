@@ -91,6 +91,17 @@ impl<V: Real> Segment<V> {
         }
     }
 
+    /// The whole line, from the ray's origin on.
+    #[cfg(test)]
+    pub fn unclipped_at_start<S: Scalar>(patch: &Patch<S>, ray: &Ray<V>) -> Self
+    where
+        V: Real<Scalar = S>,
+    {
+        let unit = V::splat(S::from_f64(1.0) / patch.size);
+        let from = (ray.origin - Vector::splat(patch.origin)) * unit;
+        Self::unclipped(patch, from, ray.direction * unit, ray.tnear, ray.tfar)
+    }
+
     #[inline(always)]
     fn unclipped<S: Scalar>(
         patch: &Patch<S>,
