@@ -74,7 +74,11 @@ impl SurfaceArgs {
         } else {
             Solver::default()
         };
-        Ok(Form::Curved(CurvedOptions { surface, solver }))
+        Ok(Form::Curved(CurvedOptions {
+            surface,
+            solver,
+            ..CurvedOptions::default()
+        }))
     }
 
     /// Reads a mesh and tells what was odd about it.

@@ -34,8 +34,7 @@ impl<S: Scalar> Patch<S> {
         let foot = self.foot_at::<V, V>([V::constant(1.0) - u - v, u, v]);
         let h = self.height(&foot);
         let [to_second, to_third] = self.spokes.map(Vector::<V>::splat);
-        let guide = Vector::splat(self.normal) + self.inward(&foot) * foot.lean;
-        let local = to_second * u + to_third * v + guide * h;
+        let local = to_second * u + to_third * v + self.guide(&foot) * h;
         let [tangent_u, tangent_v] = self.tangents(u, v);
         let across = tangent_u.cross(tangent_v);
         let size = V::splat(self.size);
@@ -56,6 +55,19 @@ impl<S: Scalar> Patch<S> {
         }
         let [tangent_u, tangent_v] = self.tangents(u, v);
         tangent_u.cross(tangent_v).normalize()
+    }
+
+    /// The guide `g` over the plane point with barycentric coordinates `(1 - u - v, u, v)`: the way
+    /// from the plane to the surface, of equation (1), scaled so that its part along
+    /// [`Patch::plane_normal`] is 1.
+    #[inline(always)]
+    pub fn guide_at<V: Real<Scalar = S>>(&self, u: V, v: V) -> Vector<V> {
+        self.guide(&self.foot_at::<V, V>([V::constant(1.0) - u - v, u, v]))
+    }
+
+    #[inline(always)]
+    fn guide<V: Real<Scalar = S>>(&self, foot: &Foot<V, V>) -> Vector<V> {
+        Vector::splat(self.normal) + self.inward(foot) * foot.lean
     }
 
     /// Derivatives of the position by u and v, in units of the patch's size.

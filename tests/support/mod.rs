@@ -68,7 +68,11 @@ impl Body {
 
     pub fn traced_by(&self, surface: Surface, solver: Solver) -> Traced {
         let device = Device::new().expect("Embree is installed");
-        let options = CurvedOptions { surface, solver };
+        let options = CurvedOptions {
+            surface,
+            solver,
+            ..CurvedOptions::default()
+        };
         let curved = Arc::new(CurvedMesh::new(self.mesh.clone(), &options));
         let scene = alone(
             &device,
