@@ -27,11 +27,12 @@ pub(super) trait Probe: Sync {
 /// Sums over points.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tally {
-    pub points: usize,
+    pub measured: usize,
     pub missed: usize,
     /// Greatest distance to the true surface.
     pub max: f64,
-    area: f64,
+    /// Points inside triangles, which the means are over.
+    inside: usize,
     error: f64,
     angle: f64,
 }
@@ -39,10 +40,10 @@ pub(super) struct Tally {
 impl Tally {
     pub fn add(self, other: Self) -> Self {
         Self {
-            points: self.points + other.points,
+            measured: self.measured + other.measured,
             missed: self.missed + other.missed,
             max: self.max.max(other.max),
-            area: self.area + other.area,
+            inside: self.inside + other.inside,
             error: self.error + other.error,
             angle: self.angle + other.angle,
         }
@@ -50,16 +51,30 @@ impl Tally {
 
     /// NaN if nothing was measured.
     pub fn mean_error(&self) -> f64 {
-        self.error / self.area
+        self.error / self.inside as f64
     }
 
     /// Radians; NaN if nothing was measured.
     pub fn mean_angle(&self) -> f64 {
-        self.angle / self.area
+        self.angle / self.inside as f64
+    }
+
+    /// Counts a point for the maximum; its error and angle if it could be measured.
+    fn meet(&mut self, body: &Body, point: Option<Point>) -> Option<[f64; 2]> {
+        let deviation = point.and_then(|point| deviation(body, &point));
+        match deviation {
+            Some([error, _]) => {
+                self.measured += 1;
+                self.max = self.max.max(error);
+            }
+            None => self.missed += 1,
+        }
+        deviation
     }
 }
 
-/// Measures one triangle at this many points.
+/// Measures one triangle at this many points, uniform over its area, and for the maximum also along
+/// its sides, where the greatest error often is.
 pub(super) fn measure_triangle(
     body: &Body,
     probe: &impl Probe,
@@ -67,21 +82,16 @@ pub(super) fn measure_triangle(
     samples: usize,
     seed: u64,
 ) -> Tally {
-    let [a, b, c] = body.triangles()[triangle].positions;
-    // Each point stands for as much of the body's area.
-    let share = (b - a).cross(c - a).length() / samples as f64;
     let mut tally = Tally::default();
     for at in sampling::points(samples, seed, triangle) {
-        match probe.at(triangle, at).and_then(|p| deviation(body, &p)) {
-            Some([error, angle]) => {
-                tally.points += 1;
-                tally.max = tally.max.max(error);
-                tally.area += share;
-                tally.error += error * share;
-                tally.angle += angle * share;
-            }
-            None => tally.missed += 1,
+        if let Some([error, angle]) = tally.meet(body, probe.at(triangle, at)) {
+            tally.inside += 1;
+            tally.error += error;
+            tally.angle += angle;
         }
+    }
+    for at in sampling::around(samples) {
+        tally.meet(body, probe.at(triangle, at));
     }
     tally
 }

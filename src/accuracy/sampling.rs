@@ -18,6 +18,22 @@ pub(super) fn points(count: usize, seed: u64, triangle: usize) -> impl Iterator<
     })
 }
 
+/// Barycentric coordinates on a triangle's sides, their middles among them and its corners not, as
+/// dense as `count` points inside it.
+pub(super) fn around(count: usize) -> impl Iterator<Item = [f64; 2]> {
+    let parts = 2 * ((count as f64).sqrt() / 2.0).ceil() as usize;
+    (0..3).flat_map(move |k| (1..parts).map(move |n| on_side(k, n as f64 / parts as f64)))
+}
+
+/// Barycentric coordinates of a place on side `k`, from its first end at 0.
+pub(super) fn on_side(k: usize, along: f64) -> [f64; 2] {
+    match k {
+        0 => [along, 0.0],
+        1 => [1.0 - along, along],
+        _ => [0.0, 1.0 - along],
+    }
+}
+
 /// `count` places along a side, from 0 to 1 and uniform.
 pub(super) fn places(count: usize, seed: u64, side: usize) -> impl Iterator<Item = f64> {
     let start = unit(!seed, side as u64);

@@ -121,30 +121,60 @@ pub fn real_meshes(names: &[&str]) -> Vec<Body> {
 
 /// Closed bodies that the repo's own programs make, split vertices, hard rims and slivers included.
 pub fn made_bodies() -> Vec<Body> {
-    let blob = Blob { cells: 14, seed: 5, least_share: 0.01, rim: false, split: false };
+    let blob = Blob {
+        cells: 14,
+        seed: 5,
+        least_share: 0.01,
+        rim: false,
+        split: false,
+    };
     let made = [
-        ("sphere of 4 triangles", bodies::Body::sphere_tetrahedron().mesh()),
+        (
+            "sphere of 4 triangles",
+            bodies::Body::sphere_tetrahedron().mesh(),
+        ),
         ("torus", bodies::Body::torus(12, 16).mesh()),
         ("fine torus", bodies::Body::torus(48, 64).mesh()),
         ("bumpy torus", bodies::bumpy_torus(5_000)),
         ("capped cylinder", bodies::capped_cylinder(16, 1.5)),
-        ("teapot's pot", bodies::teapot_part(bodies::TeapotPart::Pot, 6)),
+        (
+            "teapot's pot",
+            bodies::teapot_part(bodies::TeapotPart::Pot, 6),
+        ),
         ("blob", blob.mesh()),
         ("blob with a rim", Blob { rim: true, ..blob }.mesh()),
-        ("blob with a seam", Blob { split: true, ..blob }.mesh()),
+        (
+            "blob with a seam",
+            Blob {
+                split: true,
+                ..blob
+            }
+            .mesh(),
+        ),
     ];
-    made.map(|(name, mesh)| Body { name: name.to_owned(), mesh: Arc::new(mesh) }).into()
+    made.map(|(name, mesh)| Body {
+        name: name.to_owned(),
+        mesh: Arc::new(mesh),
+    })
+    .into()
 }
 
 /// Every closed body there is: made by the repo's own programs, and real ones.
 pub fn closed_bodies() -> Vec<Body> {
-    let real = ["spot/spot_triangulated.obj", "bunny_2k.obj", "armadillo_29k.obj"];
+    let real = [
+        "spot/spot_triangulated.obj",
+        "bunny_2k.obj",
+        "armadillo_29k.obj",
+    ];
     let mut bodies = made_bodies();
     bodies.extend(real_meshes(&real));
     bodies.retain(|body| {
         let counts = Topology::new(&body.mesh).counts().clone();
         if !counts.is_closed() {
-            println!("skipped, because it is not closed: {} {counts:?}", body.name);
+            println!(
+                "skipped, because it is not closed: {} {counts:?}",
+                body.name
+            );
         }
         counts.is_closed()
     });
