@@ -11,8 +11,9 @@ pub(super) struct Point {
     pub position: DVec3,
     /// The surface's geometric normal; any length but zero.
     pub normal: DVec3,
-    /// Along which the distance to the true surface is taken; any length but zero.
-    pub line: DVec3,
+    /// Along which the distance to the true surface is taken, of any length but zero; without it the
+    /// distance is that to the nearest point.
+    pub line: Option<DVec3>,
 }
 
 /// What tells where the surface of a body's triangle is.
@@ -96,10 +97,12 @@ pub(super) fn measure_triangle(
     tally
 }
 
-/// Distance to the true surface along the point's line, and angle to the true normal.
+/// Distance to the true surface, and angle to the true normal.
 fn deviation(body: &Body, point: &Point) -> Option<[f64; 2]> {
-    let t = body.true_parameter(point.position, point.line)?;
-    let distance = (t * point.line).length();
+    let distance = match point.line {
+        Some(line) => (body.true_parameter(point.position, line)? * line).length(),
+        None => body.signed_distance(point.position).abs(),
+    };
     let angle = angle(point.normal, body.normal(point.position));
     (distance.is_finite() && angle.is_finite()).then_some([distance, angle])
 }

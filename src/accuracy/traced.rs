@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::facet::on_plane;
 use super::model::Model;
 use super::probe::{Point, Probe};
+use super::sampling;
 use crate::bodies::Body;
 use crate::curved::{CurvedMesh, CurvedOptions};
 use crate::embree::{
@@ -37,6 +38,7 @@ impl TracedBody {
         let surface = match model {
             Model::Flat => Surface::Tensor,
             Model::Curved(surface) => surface,
+            Model::Peer(_) => panic!("rays are traced against our own surfaces only"),
         };
         let mesh = Arc::new(body.mesh());
         let options = CurvedOptions {
@@ -87,13 +89,13 @@ impl Probe for TracedBody {
         Some(Point {
             position: origin + f64::from(hit.t) * line,
             normal: hit.ng.as_dvec3(),
-            line,
+            line: Some(line),
         })
     }
 
     fn normal_on_side(&self, triangle: usize, at: [f64; 2]) -> Option<DVec3> {
         let at = if self.flat {
-            at.map(|b| b + INSIDE * (1.0 / 3.0 - b))
+            sampling::inset(at, INSIDE)
         } else {
             at
         };
