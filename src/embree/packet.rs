@@ -274,8 +274,9 @@ impl<const N: usize> RayPacket<N> {
         }
         let mut lanes = 0;
         for (lane, good) in good.into_iter().enumerate() {
-            let (tnear, tfar) = (rays.tnear[lane], rays.tfar[lane]);
-            lanes |= u32::from(good && tnear >= 0.0 && tnear <= tfar) << lane;
+            let (tnear, tfar, time) = (rays.tnear[lane], rays.tfar[lane], rays.time[lane]);
+            let good = good && tnear >= 0.0 && tnear <= tfar && (0.0..=1.0).contains(&time);
+            lanes |= u32::from(good) << lane;
         }
         lanes & self.active.0
     }
@@ -329,6 +330,47 @@ impl<const N: usize> Valid<N> {
     }
 }
 
+/// The lanes that Embree's mask of any width names, one bit a lane.
+///
+/// # Safety
+/// `valid` holds `width` lanes, each -1 or 0.
+pub(super) unsafe fn read_valid(valid: *const i32, width: usize) -> u32 {
+    // SAFETY: as the caller promises. A loop of known length needs no branch a lane.
+    unsafe {
+        match width {
+            1 => u32::from(*valid != 0),
+            4 => read_lanes::<4>(valid),
+            8 => read_lanes::<8>(valid),
+            16 => read_lanes::<16>(valid),
+            _ => unreachable!("Embree has packets of 1, 4, 8 and 16 rays"),
+        }
+    }
+}
+
+#[inline(always)]
+unsafe fn read_lanes<const N: usize>(valid: *const i32) -> u32 {
+    // SAFETY: as the caller of `read_valid` promises.
+    let valid = unsafe { valid.cast::<[i32; N]>().read() };
+    (0..N).fold(0, |lanes, lane| lanes | valid[lane] as u32 & 1 << lane)
+}
+
+/// Writes Embree's mask of any width.
+///
+/// # Safety
+/// `valid` has room for `width` lanes.
+pub(super) unsafe fn write_valid(valid: *mut i32, width: usize, lanes: u32) {
+    // SAFETY: as the caller promises.
+    unsafe {
+        match width {
+            1 => *valid = Valid::<1>::of(lanes).0[0],
+            4 => valid.cast::<[i32; 4]>().write(Valid::of(lanes).0),
+            8 => valid.cast::<[i32; 8]>().write(Valid::of(lanes).0),
+            16 => valid.cast::<[i32; 16]>().write(Valid::of(lanes).0),
+            _ => (), // `read_valid` has panicked, and a panic here would cross into C
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -351,6 +393,23 @@ mod tests {
         assert_eq!(packet.active(), 1 << 5);
         assert_eq!(packet.hit(5), None);
         assert_eq!(packet.traceable(LARGEST_COMPONENT), 1 << 5);
+    }
+
+    #[test]
+    fn masks_are_read_as_they_are_written() {
+        for width in [1, 4, 8, 16] {
+            for lanes in [0, 1, 0x5a5a, 0x8421, 0xffff] {
+                let mut valid = Valid::<16>::of(0);
+                // SAFETY: the array has room for sixteen lanes.
+                let read = unsafe {
+                    write_valid(valid.0.as_mut_ptr(), width, lanes);
+                    read_valid(valid.0.as_ptr(), width)
+                };
+                assert_eq!(read, lanes & all(width));
+                let written = (0..16).filter(|lane| valid.0[*lane] == -1);
+                assert_eq!(written.fold(0, |bits, lane| bits | 1 << lane), read);
+            }
+        }
     }
 
     #[test]

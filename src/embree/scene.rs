@@ -10,7 +10,7 @@ use super::filter::query_filter;
 use super::geometry::{BuildQuality, Geometry};
 use super::packet::{RayPacket, Traced, Valid, Width};
 use super::query::{QueryOptions, run};
-use super::ray::LARGEST_COMPONENT;
+use super::ray::{Hit, LARGEST_COMPONENT, Ray};
 use super::sys::{self, RTCSceneFlags, embree};
 
 /// The number of a geometry in its scene, as in [`Hit::geom_id`](super::Hit::geom_id).
@@ -283,6 +283,24 @@ impl Scene {
             .filter(|&lane| packet.rays.tfar[lane] == f32::NEG_INFINITY)
             .fold(0, |occluded, lane| occluded | 1 << lane)
             & traced
+    }
+
+    /// The nearest hit of one ray, as [`intersect`](Self::intersect).
+    ///
+    /// # Panics
+    /// As [`intersect`](Self::intersect).
+    pub fn intersect1(&self, ray: &Ray, options: &QueryOptions<'_>) -> Option<Hit> {
+        let mut packet = RayPacket::<1>::from_rays([ray]);
+        self.intersect(&mut packet, options);
+        packet.hit(0)
+    }
+
+    /// Whether one ray hits anything, as [`occluded`](Self::occluded).
+    ///
+    /// # Panics
+    /// As [`intersect`](Self::intersect).
+    pub fn occluded1(&self, ray: &Ray, options: &QueryOptions<'_>) -> bool {
+        self.occluded(&mut RayPacket::<1>::from_rays([ray]), options) != 0
     }
 
     /// Runs a query on the lanes that can be traced, in packets of at most `widest` rays, and returns

@@ -3,12 +3,7 @@
 use glam::{DVec3, Vec3};
 use thiserror::Error;
 
-use super::framing::Wedges;
-use super::scene::{Body, Scene};
 use crate::embree::Ray;
-
-/// How much further away than necessary a framing camera stands, as a share of its distance.
-const MARGIN: f64 = 0.05;
 
 /// Which axis points up in the meshes' space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,33 +63,6 @@ pub enum CameraError {
 }
 
 impl Camera {
-    /// A camera that looks at a scene from above, in front and a little to the right, as near as
-    /// shows all of it in a picture of this width over height.
-    ///
-    /// Flat and curved scenes of the same meshes are framed the same.
-    pub fn framing(scene: &Scene, up: UpAxis, fov_degrees: f64, aspect: f64) -> Self {
-        let towards_eye = up.turn(DVec3::new(0.5, 0.42, 1.0)).normalize();
-        let axes = Axes::new(-towards_eye, up.vector());
-        let slope = (0.5 * fov_degrees).to_radians().tan();
-        let centre = (scene.bounds().centre() - scene.origin()).as_vec3();
-        let meshes = scene.bodies().iter().map(Body::mesh);
-        let wedges = meshes
-            .map(|mesh| Wedges::around(mesh, centre, &axes, [slope * aspect, slope]))
-            .fold(Wedges::NONE, Wedges::union);
-        let eye = wedges.eye(1.0 + MARGIN);
-        // A single point, too, is looked at from somewhere.
-        let middle = scene.bounds().centre();
-        let least = (f64::from(f32::EPSILON) * middle.abs().max_element()).max(1e-30);
-        let [x, y, z] = [eye[0], eye[1], eye[2].max(least)];
-        let target = middle + x * axes.right + y * axes.up;
-        Self {
-            eye: target + z * towards_eye,
-            target,
-            up: up.vector(),
-            fov_degrees,
-        }
-    }
-
     /// Prepares the camera for a picture's size, in the space relative to `origin`.
     ///
     /// # Errors
@@ -136,7 +104,7 @@ pub(super) struct Axes {
 
 impl Axes {
     /// The axes of a camera that looks along `forward`, a unit vector, with `up` roughly upwards.
-    fn new(forward: DVec3, up: DVec3) -> Self {
+    pub fn new(forward: DVec3, up: DVec3) -> Self {
         let right = forward.cross(up.normalize());
         let right = if right.length() > 1e-6 {
             right.normalize()
@@ -172,20 +140,19 @@ impl Lens {
             (self.corner + x * self.across + y * self.down).normalize(),
         )
     }
+
+    /// Where a point of the local space is in the picture, in pixels; `None` behind the camera.
+    #[cfg(test)]
+    pub fn seen_at(&self, point: Vec3) -> Option<[f32; 2]> {
+        let matrix = glam::Mat3::from_cols(self.across, self.down, self.corner);
+        let p = matrix.inverse() * (point - self.eye);
+        (p.z > 0.0).then(|| [p.x / p.z, p.y / p.z])
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::scene::Form;
     use super::*;
-    use crate::embree::Device;
-    use crate::mesh::Mesh;
-
-    fn scene(positions: Vec<DVec3>) -> Scene {
-        let triangles = (2..positions.len() as u32).map(|i| [0, i - 1, i]).collect();
-        let mesh = Mesh::new(positions, None, triangles).unwrap();
-        Scene::new(&Device::new().unwrap(), vec![mesh], Form::Flat).unwrap()
-    }
 
     #[test]
     fn the_target_is_in_the_middle_and_right_is_right() {
@@ -205,54 +172,6 @@ mod tests {
             (top.y + top.z).abs() < 1e-6 && top.y > 0.0,
             "45 degrees up: {top}"
         );
-    }
-
-    #[test]
-    fn framed_vertices_are_in_the_picture_and_nearly_fill_it() {
-        let offset = DVec3::new(3e5, 1.0, 2.0);
-        let corners = [
-            DVec3::ZERO,
-            DVec3::new(9.0, 0.0, 1.0),
-            DVec3::new(8.0, 3.0, 0.0),
-        ];
-        let scene = scene(corners.map(|p| p + offset).to_vec());
-        for up in [UpAxis::Y, UpAxis::Z] {
-            for size in [[300_usize, 100], [100, 300]] {
-                let aspect = size[0] as f64 / size[1] as f64;
-                let camera = Camera::framing(&scene, up, 35.0, aspect);
-                let lens = camera.lens(scene.origin(), size[0], size[1]).unwrap();
-                let seen = scene.bodies()[0].mesh().positions().iter();
-                let seen: Vec<_> = seen.map(|&p| seen_at(&lens, p)).collect();
-                let shares = [0, 1].map(|axis| {
-                    let of = |fold: fn(f32, f32) -> f32, start| {
-                        seen.iter()
-                            .map(|p| p[axis] / size[axis] as f32)
-                            .fold(start, fold)
-                    };
-                    [of(f32::min, 1.0), of(f32::max, 0.0)]
-                });
-                assert!(
-                    shares.iter().all(|[low, high]| *low > 0.0 && *high < 1.0),
-                    "{shares:?}"
-                );
-                let fills = shares.iter().any(|[low, high]| high - low > 0.85);
-                assert!(fills, "{shares:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_scene_of_one_point_is_looked_at_from_somewhere() {
-        let camera = Camera::framing(&scene(vec![DVec3::ONE; 3]), UpAxis::Y, 35.0, 1.0);
-        assert!(camera.lens(DVec3::ZERO, 9, 9).is_ok(), "{camera:?}");
-    }
-
-    /// Where a point is in the picture, in pixels.
-    fn seen_at(lens: &Lens, point: Vec3) -> [f32; 2] {
-        let matrix = glam::Mat3::from_cols(lens.across, lens.down, lens.corner);
-        let p = matrix.inverse() * (point - lens.eye);
-        assert!(p.z > 0.0, "behind the camera");
-        [p.x / p.z, p.y / p.z]
     }
 
     #[test]

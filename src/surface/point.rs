@@ -18,7 +18,9 @@ pub struct SurfacePoint<V> {
     pub tangent_u: Vector<V>,
     /// Derivative of the position by `v = b3`.
     pub tangent_v: Vector<V>,
-    /// The surface's own geometric normal: unit, on the side of the vertex normals.
+    /// The surface's own geometric normal: unit, on the side from which the vertices run
+    /// counterclockwise, as for Embree's flat triangles. That is also the side of the vertex
+    /// normals, unless the mesh contradicts itself.
     pub normal: Vector<V>,
 }
 
@@ -34,7 +36,7 @@ impl<S: Scalar> Patch<S> {
         let [to_second, to_third] = self.spokes.map(Vector::<V>::splat);
         let local = to_second * u + to_third * v + self.guide(&foot) * h;
         let [tangent_u, tangent_v] = self.tangents(u, v);
-        let across = tangent_u.cross(tangent_v) * V::splat(self.winding);
+        let across = tangent_u.cross(tangent_v);
         let size = V::splat(self.size);
         SurfacePoint {
             position: local * size + Vector::splat(self.origin),
@@ -44,15 +46,15 @@ impl<S: Scalar> Patch<S> {
         }
     }
 
-    /// The surface's own geometric normal at barycentric coordinates `(1 - u - v, u, v)`: unit, on
-    /// the side of the vertex normals. [`SurfacePoint::normal`] without the rest.
+    /// The surface's own geometric normal at barycentric coordinates `(1 - u - v, u, v)`:
+    /// [`SurfacePoint::normal`] without the rest.
     #[inline(always)]
     pub fn normal_at<V: Real<Scalar = S>>(&self, u: V, v: V) -> Vector<V> {
         if self.rule == Rule::Flat {
-            return Vector::splat(self.normal);
+            return Vector::splat(self.normal * self.winding);
         }
         let [tangent_u, tangent_v] = self.tangents(u, v);
-        (tangent_u.cross(tangent_v) * V::splat(self.winding)).normalize()
+        tangent_u.cross(tangent_v).normalize()
     }
 
     /// The guide `g` over the plane point with barycentric coordinates `(1 - u - v, u, v)`: the way

@@ -59,7 +59,6 @@ pub struct Traced {
     pub name: String,
     pub curved: Arc<CurvedMesh>,
     pub scene: Scene,
-    pub flat: Scene,
 }
 
 impl Body {
@@ -79,14 +78,10 @@ impl Body {
             &device,
             Geometry::user(&device, curved.clone()).unwrap().commit(),
         );
-        let mesh = &self.mesh;
-        let flat = Geometry::triangles(&device, mesh.positions(), mesh.triangles()).unwrap();
-        let flat = alone(&device, flat.commit());
         Traced {
             name: self.name.clone(),
             curved,
             scene,
-            flat,
         }
     }
 }
@@ -238,30 +233,20 @@ pub fn all_hits(traced: &Traced, ray: &Ray) -> Vec<curvetri::embree::Hit> {
     hits
 }
 
-/// A point well inside a closed body: rays from it cross the flat triangles an odd number of times.
+/// A point inside a closed body: rays from it cross the surface an odd number of times, in each of
+/// nine directions, and not at once.
 fn inside_point(traced: &Traced, random: &mut Random) -> Vec3 {
     let bounds = traced.scene.bounds();
-    let (centre, half) = (
-        (bounds.lower + bounds.upper) * 0.5,
-        (bounds.upper - bounds.lower) * 0.5,
-    );
+    let centre = (bounds.lower + bounds.upper) * 0.5;
+    let half = (bounds.upper - bounds.lower) * 0.5;
     loop {
         let point = centre + half * random.in_cube();
-        let clear = half.max_element() * 0.03;
-        let odd = (0..9).all(|_| {
-            let ray = Ray::new(point, random.direction());
-            let mut rest = ray;
-            let mut crossings = 0;
-            while let Some(hit) = first_hit(&traced.flat, &rest) {
-                if crossings == 0 && hit.t < clear {
-                    return false;
-                }
-                crossings += 1;
-                rest.tnear = hit.t * (1.0 + 1e-6) + clear * 1e-5;
-            }
-            crossings % 2 == 1
+        let clear = half.max_element() * 0.01;
+        let inside = (0..9).all(|_| {
+            let hits = all_hits(traced, &Ray::new(point, random.direction()));
+            hits.len() % 2 == 1 && hits[0].t > clear
         });
-        if odd {
+        if inside {
             return point;
         }
     }

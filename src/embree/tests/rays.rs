@@ -47,6 +47,12 @@ fn bad_rays() -> Vec<Ray> {
         good.between(0.0, f32::NEG_INFINITY),
         good.between(5.0, 1.0),
         good.between(-f32::MIN_POSITIVE, 9.0),
+        Ray { time: -0.5, ..good },
+        Ray { time: 1.5, ..good },
+        Ray {
+            time: f32::NAN,
+            ..good
+        },
     ]);
     rays
 }
@@ -82,7 +88,12 @@ where
 #[test]
 fn rays_that_embree_aborts_on_are_misses() {
     for device in devices() {
-        for scene in [sphere_scene(&device, unit_sphere()), triangle(&device)] {
+        let moving = scene_of(&device, Geometry::user(&device, Arc::new(Moving)).unwrap());
+        for scene in [
+            sphere_scene(&device, unit_sphere()),
+            triangle(&device),
+            moving,
+        ] {
             check_bad::<1>(&scene);
             check_bad::<4>(&scene);
             check_bad::<8>(&scene);
@@ -173,7 +184,8 @@ impl UserGeometry for Reporter {
                 ng: Vec3::Z,
             };
             assert_eq!(query.report(lane, hit), counts);
-            // done: a second hit does not count
+            // done: the lane is valid no more, and a second hit does not count
+            assert!(!counts || query.valid() & 1 << lane == 0);
             assert!(!query.report(lane, hit));
         }
     }
@@ -244,8 +256,13 @@ impl UserGeometry for Moving {
         }
     }
 
-    fn occluded(&self, _: &mut OccludedQuery<'_>) {
-        unreachable!("not asked here")
+    fn occluded(&self, query: &mut OccludedQuery<'_>) {
+        for lane in query.lanes() {
+            let ray = query.ray(lane);
+            if let Some([t, _]) = Self::at(ray.time).roots(0, &ray) {
+                query.report(lane, Self::at(ray.time).surface_hit(0, &ray, t, 0));
+            }
+        }
     }
 }
 
@@ -300,4 +317,71 @@ fn geometries_have_1_to_129_time_steps() {
         .unwrap()
         .commit()
         .unwrap();
+}
+
+/// Unit spheres in a row, with the bounds given.
+struct Bounded(Vec<Bounds>);
+
+impl Bounded {
+    fn spheres(&self) -> Spheres {
+        let row = (0..self.0.len()).map(|i| (Vec3::new(0.0, 0.0, 4.0 * i as f32), 1.0));
+        Spheres(row.collect())
+    }
+}
+
+impl UserGeometry for Bounded {
+    fn primitives(&self) -> u32 {
+        self.0.len() as u32
+    }
+
+    fn bounds(&self, prim: u32, _: u32) -> Bounds {
+        self.0[prim as usize]
+    }
+
+    fn intersect(&self, query: &mut IntersectQuery<'_>) {
+        self.spheres().intersect(query);
+    }
+
+    fn occluded(&self, query: &mut OccludedQuery<'_>) {
+        self.spheres().occluded(query);
+    }
+}
+
+#[test]
+fn primitives_without_a_finite_box_are_never_hit() {
+    let boxed = |lower: f32, upper: f32| Bounds {
+        lower: Vec3::splat(lower),
+        upper: Vec3::splat(upper),
+    };
+    let nan = Bounds {
+        lower: Vec3::new(-1.0, f32::NAN, -1.0),
+        upper: Vec3::ONE,
+    };
+    let all = vec![
+        Bounds::EMPTY,
+        boxed(f32::NAN, f32::NAN),
+        nan,
+        boxed(1.0, -1.0),
+        boxed(f32::NEG_INFINITY, f32::INFINITY),
+        boxed(-1e30, 1e30),
+        Bounds {
+            lower: Vec3::new(-1.0, -1.0, 23.0),
+            upper: Vec3::new(1.0, 1.0, 25.0),
+        },
+    ];
+    for device in devices() {
+        let geometry = Geometry::user(&device, Arc::new(Bounded(all.clone()))).unwrap();
+        let scene = scene_of(&device, geometry);
+        assert_eq!(scene.bounds(), all[6]);
+        let rays = [Ray::new(Vec3::new(0.0, 0.0, -3.0), Vec3::Z); 16];
+        for hit in [
+            hits::<1>(&scene, &rays, &QueryOptions::default()),
+            hits::<16>(&scene, &rays, &QueryOptions::COHERENT),
+        ]
+        .into_iter()
+        .flatten()
+        {
+            assert_eq!(hit.map(|hit| hit.prim_id), Some(6));
+        }
+    }
 }

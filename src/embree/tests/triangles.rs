@@ -121,3 +121,38 @@ fn nothing_is_hit_in_an_empty_scene() {
         }
     }
 }
+
+#[test]
+fn triangles_without_finite_vertices_are_never_hit() {
+    let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30].map(Vec3::splat);
+    let good = [
+        Vec3::new(-9.0, -9.0, 5.0),
+        Vec3::new(9.0, -9.0, 5.0),
+        Vec3::new(0.0, 9.0, 5.0),
+    ];
+    let corners: Vec<Vec3> = bad.into_iter().chain(good).collect();
+    // with one bad corner each, one of no area, and a good one
+    let indices = [
+        [0, 4, 5],
+        [4, 1, 5],
+        [4, 5, 2],
+        [3, 5, 6],
+        [4, 4, 4],
+        [4, 5, 6],
+    ];
+    for device in devices() {
+        let scene = scene_of(
+            &device,
+            Geometry::triangles(&device, &corners, &indices).unwrap(),
+        );
+        let ray = Ray::new(Vec3::ZERO, Vec3::Z);
+        let hit = scene.intersect1(&ray, &QueryOptions::default()).unwrap();
+        assert_eq!((hit.t, hit.prim_id), (5.0, 5));
+        assert!(scene.occluded1(&ray, &QueryOptions::default()));
+        assert!(!scene.occluded1(&ray.between(0.0, 4.9), &QueryOptions::default()));
+        assert_eq!(
+            hits::<16>(&scene, &[ray; 16], &QueryOptions::COHERENT),
+            vec![Some(hit); 16]
+        );
+    }
+}
