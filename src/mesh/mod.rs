@@ -7,6 +7,7 @@
 
 mod error;
 mod faces;
+mod facets;
 mod fan;
 mod format;
 mod gltf;
@@ -35,7 +36,7 @@ use std::path::Path;
 use format::Format;
 
 pub use error::{LoadError, MAX_COORDINATE, MAX_INDICES, MeshError};
-pub use normals::NormalsReport;
+pub use normals::{NormalsPolicy, NormalsReport};
 pub use obj_write::{obj_text, write_obj};
 pub use raw::{NO_NORMAL, RawMesh};
 pub use topology::{NO_TRIANGLE, SideKind, Topology, TopologyCounts};
@@ -47,12 +48,15 @@ pub struct LoadOptions {
     /// Where normals are missing, faces whose dihedral angle (degrees, 0 where they lie in one
     /// plane) is at most this are smoothed into each other; a greater one makes a hard edge.
     pub crease_angle_degrees: f32,
+    /// Which of the stored normals are used.
+    pub normals: NormalsPolicy,
 }
 
 impl Default for LoadOptions {
     fn default() -> LoadOptions {
         LoadOptions {
             crease_angle_degrees: 30.0,
+            normals: NormalsPolicy::default(),
         }
     }
 }
@@ -167,6 +171,13 @@ impl LoadReport {
                 self.normals.unusable
             ));
         }
+        if self.normals.faceted > 0 {
+            sentences.push(format!(
+                "{} triangle corners have flat normals on what looks like a curved wall; theirs were \
+                 made smooth",
+                self.normals.faceted
+            ));
+        }
         self.warnings.splice(0..0, sentences);
     }
 }
@@ -254,6 +265,7 @@ mod tests {
         let hard = |crease_angle_degrees| {
             let options = LoadOptions {
                 crease_angle_degrees,
+                ..LoadOptions::default()
             };
             Topology::new(&load(&path, &options).unwrap().mesh)
                 .counts()
