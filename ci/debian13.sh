@@ -117,6 +117,7 @@ mount -o remount,bind,ro "$root$sysroot"
 share "$cargo_home"
 share "$checkout"
 share "$target"
+[ -z "${CURVETRI_MESHES:-}" ] || share "$(realpath "$CURVETRI_MESHES")"
 # a git worktree keeps its history elsewhere
 git_dir=$(git -C "$checkout" rev-parse --path-format=absolute --git-common-dir 2>/dev/null || true)
 [ -z "$git_dir" ] || share "$git_dir"

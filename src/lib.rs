@@ -10,10 +10,12 @@
 //! | [`bodies`] | bodies with a known true surface, and meshes made by programs |
 //! | [`embree`] | a safe wrapper over the installed Embree, 3.13 or 4.x |
 //! | [`curved`] | a mesh as one Embree user geometry of curved triangles |
+//! | [`accuracy`] | how far the surfaces are from bodies' true ones: the paper's Table 1 |
 //! | [`render`] | cameras, lights, film: pictures |
 
 #![deny(missing_docs)]
 
+pub mod accuracy;
 pub mod bodies;
 pub mod curved;
 pub mod embree;

@@ -107,6 +107,11 @@ fn check_all(bodies: Vec<Body>, count: usize) {
 }
 
 #[test]
+fn hits_on_made_meshes_lie_on_the_surface() {
+    check_all(support::made_bodies(), 50_000);
+}
+
+#[test]
 fn hits_on_real_meshes_lie_on_the_surface() {
     let names = [
         "spot/spot_triangulated.obj",

@@ -99,9 +99,10 @@ struct CurvetriQuery
 };
 
 /*
- * Traces a packet of width 1, 4, 8 or 16. `valid` and `rayhit` are aligned to width * 4 bytes (16 at
- * least); `valid` is not read for width 1. `rayhit` is an RTCRayHit of that width for both: 4.x writes
- * the hit's fields behind the rays for occlusion too where the processor lacks the packet's width.
+ * Traces a packet of width 1, 4, 8 or 16: an RTCRayHit or RTCRay of that width. `valid` and the packet
+ * are aligned to width * 4 bytes (16 at least); `valid` is not read for width 1. The width is one that
+ * the processor has: for others 3.13 does not look at `valid`, and rtcOccluded of 4.3 writes the hits
+ * of an RTCRayHit behind the RTCRay.
  */
 void curvetri_intersect(unsigned int width, const int *valid, RTCScene scene, void *rayhit,
                         const struct CurvetriQuery *query);

@@ -1,5 +1,6 @@
 //! The command line: one file a command.
 
+mod accuracy;
 mod console;
 mod render;
 mod stats;
@@ -47,6 +48,7 @@ struct Cli {
 enum Command {
     Render(render::RenderArgs),
     Trace(trace::TraceArgs),
+    Accuracy(accuracy::AccuracyArgs),
 }
 
 /// A mistake in the arguments that only shows when they are seen together.
@@ -87,6 +89,7 @@ fn run(cli: &Cli) -> Result<()> {
         _ if cli.version => print_version(),
         Some(Command::Render(args)) => render::run(args, &console),
         Some(Command::Trace(args)) => trace::run(args, &console),
+        Some(Command::Accuracy(args)) => accuracy::run(args, &console),
         None => usage("no command is given; see curvetri --help"),
     }
 }

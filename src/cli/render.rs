@@ -8,8 +8,8 @@ use clap::{Args, ValueEnum};
 use curvetri::embree::Device;
 use curvetri::mesh::Mesh;
 use curvetri::render::{
-    Background, Camera, Film, Ground, Lighting, OutputFile, Picture, RenderStats, Scene, UpAxis,
-    render,
+    Background, Camera, Film, Framing, Ground, Lighting, OutputFile, Picture, RenderStats, Scene,
+    UpAxis, render,
 };
 use glam::DVec3;
 
@@ -48,15 +48,6 @@ pub struct RenderArgs {
         value_parser = clap::value_parser!(u32).range(1..=65_536))]
     samples: u32,
 
-    #[command(flatten)]
-    view: ViewArgs,
-
-    #[command(flatten)]
-    light: LightArgs,
-
-    #[command(flatten)]
-    surface: SurfaceArgs,
-
     /// Threads to use [default: all]
     #[arg(long, value_name = "N", value_parser = values::threads)]
     threads: Option<usize>,
@@ -68,6 +59,15 @@ pub struct RenderArgs {
     /// Print it as JSON (implies --stats)
     #[arg(long)]
     json: bool,
+
+    #[command(flatten)]
+    view: ViewArgs,
+
+    #[command(flatten)]
+    light: LightArgs,
+
+    #[command(flatten)]
+    surface: SurfaceArgs,
 }
 
 #[derive(Args)]
@@ -189,12 +189,19 @@ impl RenderArgs {
         [width, height]: [usize; 2],
         console: &Console,
     ) -> Result<(Film, RenderStats)> {
+        let lighting = self.light.lighting(self.view.up_axis.axis());
+        let framing = Framing {
+            up: self.view.up_axis.axis(),
+            fov_degrees: self.view.fov,
+            aspect: width as f64 / height as f64,
+            shadows_of: self.light.ground.then_some(lighting.towards_sun),
+        };
         let picture = Picture {
             width,
             height,
             samples: self.samples,
-            camera: self.view.camera(scene, width as f64 / height as f64),
-            lighting: self.light.lighting(self.view.up_axis.axis()),
+            camera: self.view.camera(framing.camera(scene)),
+            lighting,
             albedo: self.light.albedo,
             ground: if self.light.ground {
                 Ground::Plane
@@ -239,8 +246,8 @@ impl RenderArgs {
 }
 
 impl ViewArgs {
-    fn camera(&self, scene: &Scene, aspect: f64) -> Camera {
-        let framed = Camera::framing(scene.bounds(), self.up_axis.axis(), self.fov, aspect);
+    /// The camera as asked for, and where nothing is asked for as it framed the scene.
+    fn camera(&self, framed: Camera) -> Camera {
         let target = self.target.unwrap_or(framed.target);
         Camera {
             // A target of its own moves the framing camera along.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::{Args, ValueEnum};
 use curvetri::curved::CurvedOptions;
 use curvetri::mesh::{self, LoadOptions, Mesh, NormalsPolicy};
@@ -88,7 +88,11 @@ impl SurfaceArgs {
         } else {
             Solver::default()
         };
-        Ok(Form::Curved(CurvedOptions { surface, solver }))
+        Ok(Form::Curved(CurvedOptions {
+            surface,
+            solver,
+            ..CurvedOptions::default()
+        }))
     }
 
     /// Reads a mesh and tells what was odd about it.
@@ -102,7 +106,7 @@ impl SurfaceArgs {
             },
         };
         let bar = console.spinner("reading");
-        let loaded = mesh::load(path, &options).context("no mesh to work on")?;
+        let loaded = mesh::load(path, &options)?;
         bar.finish_and_clear();
         for warning in &loaded.report.warnings {
             console.warn(&format!("{}: {warning}", path.display()));

@@ -46,12 +46,12 @@ pub struct TraceArgs {
     #[arg(long, value_enum, default_value_t = PacketChoice::One)]
     packet: PacketChoice,
 
-    #[command(flatten)]
-    surface: SurfaceArgs,
-
     /// Threads to use [default: all]
     #[arg(long, value_name = "N", value_parser = values::threads)]
     threads: Option<usize>,
+
+    #[command(flatten)]
+    surface: SurfaceArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

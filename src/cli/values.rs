@@ -100,6 +100,14 @@ pub fn stops(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A number of points to measure at.
+pub fn samples(text: &str) -> Result<usize, String> {
+    match text.trim().parse() {
+        Ok(samples @ 1..=1_000_000_000) => Ok(samples),
+        _ => Err("1 to 1000000000 points".into()),
+    }
+}
+
 /// A number of threads.
 pub fn threads(text: &str) -> Result<usize, String> {
     match text.trim().parse() {

@@ -21,6 +21,11 @@ pub struct CurvedOptions {
     pub surface: Surface,
     /// How a ray's root on a patch is found.
     pub solver: Solver,
+    /// Every triangle as the paper has it, from its own vertices alone: also where its guide field
+    /// folds over or bends too much for the method's guarantees, and with curved sides also at hard
+    /// edges and towards flat triangles. For measuring the method itself: rays may slip through
+    /// where it is used.
+    pub unchecked: bool,
 }
 
 /// A mesh whose triangles are curved patches, ready to be an Embree user geometry.
@@ -43,7 +48,7 @@ impl CurvedMesh {
     /// that no gap opens; [`CurvedMesh::kinds`] counts them.
     pub fn new(mesh: Arc<Mesh>, options: &CurvedOptions) -> Self {
         let topology = Topology::new(&mesh);
-        let prepared = prepare::prepare(&mesh, &topology, options.surface);
+        let prepared = prepare::prepare(&mesh, &topology, options);
         Self {
             mesh,
             records: prepared.records,

@@ -3,23 +3,25 @@
 
 use rayon::prelude::*;
 
-use super::corners;
 use super::kinds::Kinds;
+use super::{CurvedOptions, corners};
 use crate::mesh::{Mesh, Topology};
-use crate::surface::{Patch, PatchFlags, PatchKind, PatchRecord, Surface};
+use crate::surface::{Patch, PatchFlags, PatchKind, PatchRecord};
 
 pub(super) struct Prepared {
     pub records: Vec<PatchRecord>,
     pub kinds: Kinds,
 }
 
-pub(super) fn prepare(mesh: &Mesh, topology: &Topology, surface: Surface) -> Prepared {
+pub(super) fn prepare(mesh: &Mesh, topology: &Topology, options: &CurvedOptions) -> Prepared {
     let count = mesh.triangles().len();
     let mut records: Vec<PatchRecord> = (0..count)
         .into_par_iter()
-        .map(|triangle| record(mesh, triangle, flags(topology, triangle, surface)))
+        .map(|triangle| record(mesh, triangle, flags(topology, triangle, options)))
         .collect();
-    straighten_neighbours(mesh, topology, &mut records);
+    if !options.unchecked {
+        straighten_neighbours(mesh, topology, &mut records);
+    }
     let kinds = records
         .par_iter()
         .map(|record| Kinds::of(record.kind()))
@@ -33,9 +35,13 @@ fn record(mesh: &Mesh, triangle: usize, flags: PatchFlags) -> PatchRecord {
 }
 
 /// What the sides alone ask for.
-fn flags(topology: &Topology, triangle: usize, surface: Surface) -> PatchFlags {
+fn flags(topology: &Topology, triangle: usize, options: &CurvedOptions) -> PatchFlags {
+    let none = PatchFlags::new(options.surface);
+    if options.unchecked {
+        return none.with_unchecked();
+    }
     let sides = topology.sides(triangle);
-    (0..3).fold(PatchFlags::new(surface), |flags, k| {
+    (0..3).fold(none, |flags, k| {
         if sides[k].is_straight() {
             flags.with_straight(k)
         } else {

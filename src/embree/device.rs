@@ -18,6 +18,7 @@ struct Shared {
     // in an allocation of its own: Embree keeps its address, also while the device is released
     memory: Box<MemoryCounters>,
     ray_masks: bool,
+    native_width: usize,
     limited_to: Option<String>,
 }
 
@@ -112,6 +113,7 @@ impl Device {
             handle,
             memory: Box::default(),
             ray_masks: false,
+            native_width: 1,
             limited_to: limited_isa(config),
         };
         let device = {
@@ -125,6 +127,7 @@ impl Device {
             };
             shared.ray_masks =
                 shared.property(RTCDeviceProperty::RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) != 0;
+            shared.native_width = shared.widest_packet();
             let counters: *const MemoryCounters = &*shared.memory;
             // SAFETY: the counters outlive the device: `Shared` releases it before it drops them.
             unsafe {
@@ -179,24 +182,7 @@ impl Device {
     /// The widest packet (16, 8, 4 or 1 rays) that Embree traces as one on this processor; wider ones
     /// are split.
     pub fn native_width(&self) -> usize {
-        let widths = [
-            (
-                16,
-                RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED,
-            ),
-            (
-                8,
-                RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED,
-            ),
-            (
-                4,
-                RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED,
-            ),
-        ];
-        widths
-            .iter()
-            .find(|(_, property)| self.0.property(*property) != 0)
-            .map_or(1, |found| found.0)
+        self.0.native_width
     }
 
     /// Bytes that Embree holds for this device now, and the most it held.
@@ -236,6 +222,27 @@ impl fmt::Debug for Device {
 }
 
 impl Shared {
+    fn widest_packet(&self) -> usize {
+        let widths = [
+            (
+                16,
+                RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED,
+            ),
+            (
+                8,
+                RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED,
+            ),
+            (
+                4,
+                RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED,
+            ),
+        ];
+        widths
+            .iter()
+            .find(|(_, property)| self.property(*property) != 0)
+            .map_or(1, |found| found.0)
+    }
+
     fn property(&self, property: RTCDeviceProperty) -> isize {
         // SAFETY: the handle is a live device.
         unsafe { embree!(get_device_property(self.handle, property)) }

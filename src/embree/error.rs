@@ -70,6 +70,9 @@ pub enum Error {
         /// How deep they would be nested.
         depth: usize,
     },
+    /// A scene for queries with filters has an instance of a scene that is not.
+    #[error("a scene made for query filters instances one that was made without")]
+    QueryFilters,
     /// An instance's transform is not finite, cannot be inverted, or would put its scene out of the
     /// range of Embree's arithmetic.
     #[error("the instance's transform is not finite, not invertible or out of range: {0}")]

@@ -3,7 +3,6 @@
 use glam::Vec3;
 
 use super::geometry::Callbacks;
-use super::packet::all;
 use super::query::{Query, callback};
 use super::ray::{Hit, Ray};
 use super::sys::{self, INVALID_ID, LEVELS};
@@ -129,18 +128,4 @@ unsafe fn read_hit(ray: *const f32, hit: *const f32, width: usize, lane: usize) 
             [INVALID_ID; LEVELS]
         },
     }
-}
-
-/// The lanes that Embree's mask names, one bit a lane.
-///
-/// # Safety
-/// `valid` holds `width` lanes.
-pub(super) unsafe fn lanes(valid: *const i32, width: usize) -> u32 {
-    debug_assert!(width <= 16);
-    let mut lanes = 0;
-    for lane in 0..width {
-        // SAFETY: the array holds `width` lanes.
-        lanes |= u32::from(unsafe { *valid.add(lane) } != 0) << lane;
-    }
-    lanes & all(width)
 }

@@ -10,6 +10,7 @@ use super::device::Device;
 use super::error::{Error, attempt};
 use super::filter::{self, Filter};
 use super::query::BuildPanics;
+use super::ray::LARGEST_COMPONENT;
 use super::scene::Scene;
 use super::sys::{self, RTCBufferType, RTCFormat, RTCGeometryType, embree};
 use super::user::{self, UserGeometry};
@@ -28,8 +29,15 @@ pub(super) struct Shared {
     handle: sys::RTCGeometry,
     // in an allocation of its own: it is the geometry's user pointer
     callbacks: Box<Callbacks>,
-    instanced: Option<Scene>,
+    instanced: Option<Instanced>,
     device: Device,
+}
+
+/// The scene of an instance.
+struct Instanced {
+    scene: Scene,
+    /// The largest component of a ray that the transform keeps within what Embree computes with.
+    reach: f32,
 }
 
 // SAFETY: an RTCGeometry is reference counted; once committed it is not changed any more, and all that
@@ -160,7 +168,15 @@ impl Geometry {
 
     /// The scene it is an instance of.
     pub fn instanced_scene(&self) -> Option<&Scene> {
-        self.0.instanced.as_ref()
+        self.0.instanced.as_ref().map(|instanced| &instanced.scene)
+    }
+
+    /// The largest component that a ray of a scene with this geometry may have.
+    pub(super) fn reach(&self) -> f32 {
+        self.0
+            .instanced
+            .as_ref()
+            .map_or(LARGEST_COMPONENT, |instanced| instanced.reach)
     }
 
     pub(super) fn build_panics(&self) -> &BuildPanics {
@@ -211,6 +227,22 @@ impl GeometryBuilder {
             quality: BuildQuality::Medium,
         }
         .mask(!0))
+    }
+
+    /// An instance whose scene and transform are still to be given to Embree.
+    pub(super) fn of_instance(
+        device: &Device,
+        kind: RTCGeometryType,
+        scene: Scene,
+        reach: f32,
+    ) -> Result<Self, Error> {
+        let mut builder = Self::new(device, kind, None)?;
+        builder.shared.instanced = Some(Instanced { scene, reach });
+        Ok(builder)
+    }
+
+    pub(super) fn handle(&self) -> sys::RTCGeometry {
+        self.shared.handle
     }
 
     /// The mask that a ray's must have a bit in common with to see this geometry; all bits if never

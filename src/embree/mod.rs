@@ -22,10 +22,11 @@
 //! let scene = builder.commit()?;
 //!
 //! let ray = Ray::new(Vec3::new(0.25, 0.5, -1.0), Vec3::Z);
-//! let mut packet = RayPacket::<1>::from_rays(&[ray]);
-//! scene.intersect(&mut packet, &QueryOptions::default());
-//! let hit = packet.hit(0).expect("the ray meets the triangle");
+//! let hit = scene.intersect1(&ray, &QueryOptions::default()).expect("it meets the triangle");
 //! assert_eq!((hit.t, hit.u, hit.v, hit.geom_id), (1.0, 0.25, 0.5, id));
+//!
+//! let mut packet = RayPacket::<16>::from_rays(&[ray; 16]);
+//! assert_eq!(scene.occluded(&mut packet, &QueryOptions::COHERENT), 0xffff);
 //! # Ok(())
 //! # }
 //! ```
@@ -36,6 +37,7 @@ mod device;
 mod error;
 mod filter;
 mod geometry;
+mod instance;
 mod packet;
 mod query;
 mod ray;

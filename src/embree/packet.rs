@@ -5,6 +5,7 @@ use std::mem::{offset_of, size_of};
 use glam::Vec3;
 
 use super::ray::{Hit, LARGEST_COMPONENT, Ray};
+use super::record::HIT_FIELDS;
 use super::sys::{self, INVALID_ID, LEVELS};
 
 /// Names a packet's width in bounds: `Width<N>: Traced` holds for 1, 4, 8 and 16.
@@ -36,8 +37,7 @@ impl Traced for Width<16> {}
 pub struct RayPacket<const N: usize> {
     /// The rays. A query shortens `tfar` to the hit, or sets it to -infinity where a ray is occluded.
     pub rays: Rays<N>,
-    /// The hits of the last [`intersect`](super::Scene::intersect). Also there for occlusion queries:
-    /// Embree 4 writes to it in those too where the processor lacks the packet's width.
+    /// The hits of the last [`intersect`](super::Scene::intersect).
     pub hits: Hits<N>,
     active: Active,
 }
@@ -101,12 +101,16 @@ pub struct Hits<const N: usize> {
     inst_prim_id: [[u32; N]; LEVELS],
 }
 
+/// How many arrays the rays and the hits are.
+const FIELDS: usize = 12 + HIT_FIELDS;
+
 macro_rules! fits_embree {
     ($width:literal, $ray:ident, $hit:ident, $rayhit:ident) => {
         const _: () = {
             assert!(size_of::<Rays<$width>>() == size_of::<sys::$ray>());
             assert!(align_of::<RayPacket<$width>>() >= align_of::<sys::$rayhit>());
             assert!(offset_of!(RayPacket<$width>, active) >= size_of::<sys::$rayhit>());
+            assert!(size_of::<Rays<$width>>() + size_of::<Hits<$width>>() == 4 * FIELDS * $width);
             assert!(offset_of!(RayPacket<$width>, hits) == offset_of!(sys::$rayhit, hit));
             assert!(offset_of!(Rays<$width>, tnear) == offset_of!(sys::$ray, tnear));
             assert!(offset_of!(Rays<$width>, dir_x) == offset_of!(sys::$ray, dir_x));
@@ -270,29 +274,42 @@ impl<const N: usize> RayPacket<N> {
         }
         let mut lanes = 0;
         for (lane, good) in good.into_iter().enumerate() {
-            let (tnear, tfar) = (rays.tnear[lane], rays.tfar[lane]);
-            lanes |= u32::from(good && tnear >= 0.0 && tnear <= tfar) << lane;
+            let (tnear, tfar, time) = (rays.tnear[lane], rays.tfar[lane], rays.time[lane]);
+            let good = good && tnear >= 0.0 && tnear <= tfar && (0.0..=1.0).contains(&time);
+            lanes |= u32::from(good) << lane;
         }
         lanes & self.active.0
     }
 
-    /// Makes the lanes not in `lanes` rays of no length, and returns what they were: Embree 3 traces a
-    /// packet wider than the processor's by its rays alone, without a look at the mask.
-    pub(super) fn close_lanes(&mut self, lanes: u32) -> ([f32; N], [f32; N]) {
-        let before = (self.rays.tnear, self.rays.tfar);
-        for lane in (0..N).filter(|lane| lanes & 1 << lane == 0) {
-            self.rays.tnear[lane] = f32::INFINITY;
-            self.rays.tfar[lane] = f32::NEG_INFINITY;
+    /// `M` lanes from `first` on as a packet of their own, of which `lanes` are to be traced.
+    pub(super) fn part<const M: usize>(&self, first: usize, lanes: u32) -> RayPacket<M> {
+        let mut part = RayPacket::<M>::new();
+        for field in 0..FIELDS {
+            let lanes = &self.words()[field * N + first..][..M];
+            part.words_mut()[field * M..][..M].copy_from_slice(lanes);
         }
-        before
+        part.active.0 = lanes >> first & all(M);
+        part
     }
 
-    /// Undoes [`close_lanes`](Self::close_lanes).
-    pub(super) fn reopen_lanes(&mut self, lanes: u32, before: &([f32; N], [f32; N])) {
-        for lane in (0..N).filter(|lane| lanes & 1 << lane == 0) {
-            self.rays.tnear[lane] = before.0[lane];
-            self.rays.tfar[lane] = before.1[lane];
+    /// Puts back what [`part`](Self::part) gave.
+    pub(super) fn put_part<const M: usize>(&mut self, first: usize, part: &RayPacket<M>) {
+        for field in 0..FIELDS {
+            let lanes = &part.words()[field * M..][..M];
+            self.words_mut()[field * N + first..][..M].copy_from_slice(lanes);
         }
+    }
+
+    /// The arrays of the rays and the hits one after the other, as bits.
+    fn words(&self) -> &[u32] {
+        // SAFETY: `rays` and `hits` lie at the beginning, without gaps, and are made of arrays of `N`
+        // four-byte numbers.
+        unsafe { std::slice::from_raw_parts(std::ptr::from_ref(self).cast(), FIELDS * N) }
+    }
+
+    fn words_mut(&mut self) -> &mut [u32] {
+        // SAFETY: as in `words`; every bit pattern is a number.
+        unsafe { std::slice::from_raw_parts_mut(std::ptr::from_mut(self).cast(), FIELDS * N) }
     }
 }
 
@@ -310,6 +327,47 @@ impl<const N: usize> Valid<N> {
         Self(std::array::from_fn(|lane| {
             -i32::from(lanes & 1 << lane != 0)
         }))
+    }
+}
+
+/// The lanes that Embree's mask of any width names, one bit a lane.
+///
+/// # Safety
+/// `valid` holds `width` lanes, each -1 or 0.
+pub(super) unsafe fn read_valid(valid: *const i32, width: usize) -> u32 {
+    // SAFETY: as the caller promises. A loop of known length needs no branch a lane.
+    unsafe {
+        match width {
+            1 => u32::from(*valid != 0),
+            4 => read_lanes::<4>(valid),
+            8 => read_lanes::<8>(valid),
+            16 => read_lanes::<16>(valid),
+            _ => unreachable!("Embree has packets of 1, 4, 8 and 16 rays"),
+        }
+    }
+}
+
+#[inline(always)]
+unsafe fn read_lanes<const N: usize>(valid: *const i32) -> u32 {
+    // SAFETY: as the caller of `read_valid` promises.
+    let valid = unsafe { valid.cast::<[i32; N]>().read() };
+    (0..N).fold(0, |lanes, lane| lanes | valid[lane] as u32 & 1 << lane)
+}
+
+/// Writes Embree's mask of any width.
+///
+/// # Safety
+/// `valid` has room for `width` lanes.
+pub(super) unsafe fn write_valid(valid: *mut i32, width: usize, lanes: u32) {
+    // SAFETY: as the caller promises.
+    unsafe {
+        match width {
+            1 => *valid = Valid::<1>::of(lanes).0[0],
+            4 => valid.cast::<[i32; 4]>().write(Valid::of(lanes).0),
+            8 => valid.cast::<[i32; 8]>().write(Valid::of(lanes).0),
+            16 => valid.cast::<[i32; 16]>().write(Valid::of(lanes).0),
+            _ => (), // `read_valid` has panicked, and a panic here would cross into C
+        }
     }
 }
 
@@ -338,15 +396,39 @@ mod tests {
     }
 
     #[test]
-    fn closed_lanes_come_back_and_are_not_traceable() {
-        let ray = Ray::new(Vec3::ZERO, Vec3::X).between(1.0, 2.0);
-        let mut packet = RayPacket::<4>::from_rays(&[ray; 4]);
-        let before = packet.close_lanes(0b0101);
-        assert_eq!(packet.traceable(LARGEST_COMPONENT), 0b0101);
-        packet.rays.tfar[0] = 1.5;
-        packet.reopen_lanes(0b0101, &before);
-        assert_eq!(packet.ray(1), ray);
-        assert_eq!(packet.ray(0).tfar, 1.5);
+    fn masks_are_read_as_they_are_written() {
+        for width in [1, 4, 8, 16] {
+            for lanes in [0, 1, 0x5a5a, 0x8421, 0xffff] {
+                let mut valid = Valid::<16>::of(0);
+                // SAFETY: the array has room for sixteen lanes.
+                let read = unsafe {
+                    write_valid(valid.0.as_mut_ptr(), width, lanes);
+                    read_valid(valid.0.as_ptr(), width)
+                };
+                assert_eq!(read, lanes & all(width));
+                let written = (0..16).filter(|lane| valid.0[*lane] == -1);
+                assert_eq!(written.fold(0, |bits, lane| bits | 1 << lane), read);
+            }
+        }
+    }
+
+    #[test]
+    fn parts_go_out_and_come_back() {
+        let ray = |x| Ray::new(Vec3::new(x, 0.0, 0.0), Vec3::X);
+        let rays: Vec<Ray> = (0..16).map(|i| ray(i as f32)).collect();
+        let mut packet = RayPacket::<16>::from_rays(&rays);
+        let mut part = packet.part::<4>(8, 0b0110 << 8 | 0b1001);
+        assert_eq!(part.active(), 0b0110);
+        assert_eq!(part.ray(3), rays[11]);
+        part.rays.tfar[1] = 5.0;
+        part.hits.geom_id[1] = 7;
+        part.hits.inst_id[0][1] = 3;
+        packet.put_part(8, &part);
+        let hit = packet.hit(9).unwrap();
+        assert_eq!((hit.t, hit.geom_id, hit.inst_id[0]), (5.0, 7, 3));
+        for lane in (0..16).filter(|lane| *lane != 9) {
+            assert_eq!((packet.ray(lane), packet.hit(lane)), (rays[lane], None));
+        }
     }
 
     #[test]

@@ -60,11 +60,15 @@ impl Ray {
     }
 
     /// Whether the ray is one that Embree traces: numbers within [`LARGEST_COMPONENT`] in origin and
-    /// direction, `0 <= tnear <= tfar`, no NaN. Any other ray hits nothing, whatever the version of
-    /// Embree (Debian 12's would abort the process).
+    /// direction, `0 <= tnear <= tfar`, a time in [0, 1], no NaN. Any other ray hits nothing, whatever
+    /// the version of Embree (Debian 12's would abort the process).
     pub fn is_traceable(&self) -> bool {
         let small = |v: Vec3| v.abs().cmple(Vec3::splat(LARGEST_COMPONENT)).all();
-        small(self.origin) && small(self.direction) && self.tnear >= 0.0 && self.tnear <= self.tfar
+        small(self.origin)
+            && small(self.direction)
+            && self.tnear >= 0.0
+            && self.tnear <= self.tfar
+            && (0.0..=1.0).contains(&self.time)
     }
 }
 
@@ -124,6 +128,15 @@ mod tests {
         assert!(!ray.between(2.0, 1.0).is_traceable());
         assert!(!ray.between(f32::NAN, 1.0).is_traceable());
         assert!(!ray.between(0.0, f32::NAN).is_traceable());
+        for (time, good) in [
+            (0.0, true),
+            (1.0, true),
+            (-0.1, false),
+            (1.1, false),
+            (f32::NAN, false),
+        ] {
+            assert_eq!(Ray { time, ..ray }.is_traceable(), good);
+        }
         for bad in [
             f32::NAN,
             f32::INFINITY,

@@ -7,7 +7,7 @@ use super::ray::SurfaceHit;
 use super::sys::{self, LEVELS};
 
 /// How many four-byte fields a hit has.
-const FIELDS: usize = if cfg!(inst_prim_id) {
+pub(super) const HIT_FIELDS: usize = if cfg!(inst_prim_id) {
     7 + 2 * LEVELS
 } else {
     7 + LEVELS
@@ -26,17 +26,17 @@ pub(super) struct Call {
 }
 
 /// One lane of a hit packet, field by field, as bits.
-pub(super) struct Record([u32; FIELDS]);
+pub(super) struct Record([u32; HIT_FIELDS]);
 
 /// A hit packet of any width.
 #[repr(C, align(64))]
-struct Hits([u32; 16 * FIELDS]);
+struct Hits([u32; 16 * HIT_FIELDS]);
 
 impl Record {
     /// # Safety
     /// `call` is that of a callback under way.
     pub(super) unsafe fn new(hit: &SurfaceHit, prim_id: u32, geom_id: u32, call: Call) -> Self {
-        let mut fields = [0; FIELDS];
+        let mut fields = [0; HIT_FIELDS];
         let [x, y, z] = hit.ng.to_array();
         fields[..5].copy_from_slice(&[x, y, z, hit.u, hit.v].map(f32::to_bits));
         fields[5] = prim_id;
@@ -73,7 +73,7 @@ impl Record {
         filters: impl FnOnce(*const sys::RTCFilterFunctionNArguments),
     ) -> Option<Self> {
         debug_assert!(lane < width && width <= 16);
-        let mut hits = Hits([0; 16 * FIELDS]);
+        let mut hits = Hits([0; 16 * HIT_FIELDS]);
         let mut valid = Valid::<16>::of(1 << lane);
         let packet = hits.0.as_mut_ptr();
         // SAFETY: the array has room for sixteen lanes.

@@ -8,9 +8,9 @@ use super::device::Device;
 use super::error::{Error, attempt};
 use super::filter::query_filter;
 use super::geometry::{BuildQuality, Geometry};
-use super::packet::{RayPacket, Traced, Valid, Width, all};
+use super::packet::{RayPacket, Traced, Valid, Width};
 use super::query::{QueryOptions, run};
-use super::ray::LARGEST_COMPONENT;
+use super::ray::{Hit, LARGEST_COMPONENT, Ray};
 use super::sys::{self, RTCSceneFlags, embree};
 
 /// The number of a geometry in its scene, as in [`Hit::geom_id`](super::Hit::geom_id).
@@ -34,6 +34,12 @@ struct Shared {
     geometries: Vec<Geometry>,
     bounds: Bounds,
     query_filters: bool,
+    /// Levels of instances below.
+    depth: usize,
+    /// The largest component a ray may have so that no instance takes it out of Embree's range.
+    reach: f32,
+    /// The widest packets of coherent rays to ask Embree about occlusion.
+    coherent_shadow_width: usize,
     device: Device,
 }
 
@@ -41,6 +47,15 @@ struct Shared {
 unsafe impl Send for Shared {}
 // SAFETY: as above.
 unsafe impl Sync for Shared {}
+
+/// `curvetri_intersect` or `curvetri_occluded` of the shim.
+type QueryFunction = unsafe extern "C" fn(
+    u32,
+    *const i32,
+    sys::RTCScene,
+    *mut std::ffi::c_void,
+    *const sys::CurvetriQuery,
+);
 
 impl SceneBuilder {
     /// An empty scene.
@@ -57,6 +72,9 @@ impl SceneBuilder {
             geometries: Vec::new(),
             bounds: Bounds::EMPTY,
             query_filters: false,
+            depth: 0,
+            reach: LARGEST_COMPONENT,
+            coherent_shadow_width: 16,
             device: device.clone(),
         };
         let flags = RTCSceneFlags::RTC_SCENE_FLAG_NONE;
@@ -142,11 +160,30 @@ impl SceneBuilder {
         }
         let mut shared = self.shared;
         let handle = shared.handle;
+        if shared.query_filters && !shared.instanced().all(|scene| scene.0.query_filters) {
+            return Err(Error::QueryFilters);
+        }
+        shared.depth = shared
+            .instanced()
+            .map(|scene| scene.depth() + 1)
+            .max()
+            .unwrap_or(0);
+        shared.reach = shared
+            .geometries
+            .iter()
+            .map(Geometry::reach)
+            .fold(LARGEST_COMPONENT, f32::min);
         let before: Vec<u64> = shared
             .geometries
             .iter()
             .map(|geometry| geometry.build_panics().count())
             .collect();
+        // Debian 12's 3.13.5 was miscompiled there: on processors with AVX-512, rtcOccluded16 of
+        // coherent rays may never return from instances, nor from compact robust triangles.
+        let compact = self.flags.0 & RTCSceneFlags::RTC_SCENE_FLAG_COMPACT.0 != 0;
+        if cfg!(embree3) && (shared.depth > 0 || compact) {
+            shared.coherent_shadow_width = 8;
+        }
         // SAFETY: the handle is a live scene that nobody else has.
         let built = attempt("commit the scene", || unsafe {
             embree!(set_scene_flags(handle, self.flags));
@@ -178,6 +215,21 @@ impl Scene {
         &self.0.device
     }
 
+    /// The largest component of a ray's origin or direction that can be traced here: a ray with a
+    /// larger one misses. [`LARGEST_COMPONENT`], or less where the scene has instances whose transform
+    /// makes rays longer.
+    pub fn reach(&self) -> f32 {
+        self.0.reach
+    }
+
+    pub(super) fn depth(&self) -> usize {
+        self.0.depth
+    }
+
+    pub(super) fn handle(&self) -> sys::RTCScene {
+        self.0.handle
+    }
+
     /// The geometry of a number.
     pub fn geometry(&self, id: GeometryId) -> Option<&Geometry> {
         self.0.geometries.get(id as usize)
@@ -197,7 +249,12 @@ impl Scene {
     where
         Width<N>: Traced,
     {
-        self.trace(packet, options, sys::curvetri_intersect);
+        self.trace(
+            packet,
+            options,
+            sys::curvetri_intersect,
+            self.0.device.native_width(),
+        );
     }
 
     /// Finds out which rays of a packet hit anything; returns their lanes, one bit a lane. The `tfar`
@@ -215,25 +272,45 @@ impl Scene {
     where
         Width<N>: Traced,
     {
-        let traced = self.trace(packet, options, sys::curvetri_occluded);
+        let native = self.0.device.native_width();
+        let width = if options.coherent {
+            native.min(self.0.coherent_shadow_width)
+        } else {
+            native
+        };
+        let traced = self.trace(packet, options, sys::curvetri_occluded, width);
         (0..N)
             .filter(|&lane| packet.rays.tfar[lane] == f32::NEG_INFINITY)
             .fold(0, |occluded, lane| occluded | 1 << lane)
             & traced
     }
 
-    /// Runs a query on the lanes that can be traced, and returns those.
+    /// The nearest hit of one ray, as [`intersect`](Self::intersect).
+    ///
+    /// # Panics
+    /// As [`intersect`](Self::intersect).
+    pub fn intersect1(&self, ray: &Ray, options: &QueryOptions<'_>) -> Option<Hit> {
+        let mut packet = RayPacket::<1>::from_rays([ray]);
+        self.intersect(&mut packet, options);
+        packet.hit(0)
+    }
+
+    /// Whether one ray hits anything, as [`occluded`](Self::occluded).
+    ///
+    /// # Panics
+    /// As [`intersect`](Self::intersect).
+    pub fn occluded1(&self, ray: &Ray, options: &QueryOptions<'_>) -> bool {
+        self.occluded(&mut RayPacket::<1>::from_rays([ray]), options) != 0
+    }
+
+    /// Runs a query on the lanes that can be traced, in packets of at most `widest` rays, and returns
+    /// those.
     fn trace<const N: usize>(
         &self,
         packet: &mut RayPacket<N>,
         options: &QueryOptions<'_>,
-        function: unsafe extern "C" fn(
-            u32,
-            *const i32,
-            sys::RTCScene,
-            *mut std::ffi::c_void,
-            *const sys::CurvetriQuery,
-        ),
+        function: QueryFunction,
+        widest: usize,
     ) -> u32
     where
         Width<N>: Traced,
@@ -242,7 +319,7 @@ impl Scene {
             options.filter.is_none() || self.0.query_filters,
             "a query filter needs a scene made with SceneBuilder::query_filters"
         );
-        let lanes = packet.traceable(LARGEST_COMPONENT);
+        let lanes = packet.traceable(self.0.reach);
         if lanes == 0 {
             return 0;
         }
@@ -250,18 +327,47 @@ impl Scene {
             coherent: u32::from(options.coherent),
             filter: options.filter.map(|_| query_filter as _),
         };
-        let valid = Valid::<N>::of(lanes);
-        let before = (lanes != all(N)).then(|| packet.close_lanes(lanes));
-        let pointer = std::ptr::from_mut(packet).cast();
-        run(options.filter, || {
-            // SAFETY: the scene is committed; the packet and the mask are of width N, in Embree's
-            // layout, and aligned to 64 bytes; every traced ray is one that Embree computes with.
-            unsafe { function(N as u32, valid.0.as_ptr(), self.0.handle, pointer, &query) }
+        run(options.filter, || match widest {
+            widest if N <= widest => self.call(packet, lanes, &query, function),
+            8 => self.call_in_parts::<N, 8>(packet, lanes, &query, function),
+            4 => self.call_in_parts::<N, 4>(packet, lanes, &query, function),
+            _ => self.call_in_parts::<N, 1>(packet, lanes, &query, function),
         });
-        if let Some(before) = before {
-            packet.reopen_lanes(lanes, &before);
-        }
         lanes
+    }
+
+    /// Traces a packet that is wider than the processor's, which Embree does not do well: 3.13 traces
+    /// lanes that are not valid and may never come back from instances, 4.3 goes ray by ray and writes
+    /// hits behind the rays of occlusion queries.
+    fn call_in_parts<const N: usize, const M: usize>(
+        &self,
+        packet: &mut RayPacket<N>,
+        lanes: u32,
+        query: &sys::CurvetriQuery,
+        function: QueryFunction,
+    ) {
+        for first in (0..N).step_by(M) {
+            let mut part = packet.part::<M>(first, lanes);
+            if part.active() != 0 {
+                let lanes = part.active();
+                self.call(&mut part, lanes, query, function);
+                packet.put_part(first, &part);
+            }
+        }
+    }
+
+    fn call<const N: usize>(
+        &self,
+        packet: &mut RayPacket<N>,
+        lanes: u32,
+        query: &sys::CurvetriQuery,
+        function: QueryFunction,
+    ) {
+        let valid = Valid::<N>::of(lanes);
+        let (mask, pointer) = (valid.0.as_ptr(), std::ptr::from_mut(packet).cast());
+        // SAFETY: the scene is committed; the packet and the mask are of width N, in Embree's layout,
+        // and aligned to 64 bytes; every traced ray is one that Embree computes with.
+        unsafe { function(N as u32, mask, self.0.handle, pointer, query) }
     }
 }
 
@@ -272,6 +378,12 @@ impl fmt::Debug for Scene {
             .field("geometries", &self.0.geometries)
             .field("bounds", &self.0.bounds)
             .finish_non_exhaustive()
+    }
+}
+
+impl Shared {
+    fn instanced(&self) -> impl Iterator<Item = &Scene> {
+        self.geometries.iter().filter_map(Geometry::instanced_scene)
     }
 }
 

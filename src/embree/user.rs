@@ -4,8 +4,9 @@ use std::marker::PhantomData;
 use std::ops::Deref;
 
 use super::bounds::Bounds;
-use super::filter::{lanes, query_filter, read_ray};
+use super::filter::{query_filter, read_ray};
 use super::geometry::Callbacks;
+use super::packet::{read_valid, write_valid};
 use super::query::{Query, callback};
 use super::ray::{Ray, SurfaceHit};
 use super::record::{Call, Record};
@@ -182,7 +183,8 @@ impl QueryRays<'_> {
         filters: Option<impl FnOnce(*const sys::RTCFilterFunctionNArguments)>,
     ) -> Option<Record> {
         let (tnear, tfar) = (self.tnear()[lane], self.tfar()[lane]);
-        if self.valid & 1 << lane == 0 || !(hit.t >= tnear && hit.t <= tfar) {
+        let on_ray = hit.t >= tnear && hit.t <= tfar && hit.t < f32::INFINITY;
+        if self.valid & 1 << lane == 0 || !on_ray {
             return None;
         }
         // SAFETY: the call is Embree's, under way.
@@ -321,7 +323,7 @@ pub(super) unsafe extern "C" fn intersect(args: *const sys::RTCIntersectFunction
             QueryRays {
                 rays: call.rayhit.cast(),
                 width,
-                valid: callbacks.seen(call.rayhit.cast(), width, lanes(call.valid, width)),
+                valid: callbacks.seen(call.rayhit.cast(), width, read_valid(call.valid, width)),
                 prim_id: call.primID,
                 geom_id: call.geomID,
                 packet: PhantomData,
@@ -337,8 +339,9 @@ pub(super) unsafe extern "C" fn intersect(args: *const sys::RTCIntersectFunction
         callbacks.shape().intersect(&mut query);
         query.accepted
     });
+    // Embree 4's contract: the callback says which lanes it found a hit for. Embree 3 does not look.
     // SAFETY: as above.
-    unsafe { answer(call.valid, width, accepted.unwrap_or(0)) };
+    unsafe { write_valid(call.valid, width, accepted.unwrap_or(0)) };
 }
 
 /// The occluded function of every user geometry.
@@ -354,7 +357,7 @@ pub(super) unsafe extern "C" fn occluded(args: *const sys::RTCOccludedFunctionNA
             QueryRays {
                 rays: call.ray.cast(),
                 width,
-                valid: callbacks.seen(call.ray.cast(), width, lanes(call.valid, width)),
+                valid: callbacks.seen(call.ray.cast(), width, read_valid(call.valid, width)),
                 prim_id: call.primID,
                 geom_id: call.geomID,
                 packet: PhantomData,
@@ -370,17 +373,7 @@ pub(super) unsafe extern "C" fn occluded(args: *const sys::RTCOccludedFunctionNA
         callbacks.shape().occluded(&mut query);
         query.accepted
     });
+    // Embree 4's contract: the callback says which lanes it found a hit for. Embree 3 does not look.
     // SAFETY: as above.
-    unsafe { answer(call.valid, width, accepted.unwrap_or(0)) };
-}
-
-/// Embree 4's contract: the callback says which lanes it found a hit for. Embree 3 does not look.
-///
-/// # Safety
-/// `valid` holds `width` lanes.
-unsafe fn answer(valid: *mut i32, width: usize, accepted: u32) {
-    for lane in 0..width {
-        // SAFETY: as the caller promises.
-        unsafe { *valid.add(lane) = -i32::from(accepted & 1 << lane != 0) };
-    }
+    unsafe { write_valid(call.valid, width, accepted.unwrap_or(0)) };
 }

@@ -4,10 +4,6 @@ use glam::{DVec3, Vec3};
 use thiserror::Error;
 
 use crate::embree::Ray;
-use crate::mesh::Bounds;
-
-/// Room left around the framed bounds' sphere, as a share of its radius.
-const MARGIN: f64 = 0.04;
 
 /// Which axis points up in the meshes' space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -67,36 +63,6 @@ pub enum CameraError {
 }
 
 impl Camera {
-    /// A camera that sees all of the bounds' sphere from above, in front and a little to the right,
-    /// in a picture of this width over height.
-    pub fn framing(bounds: &Bounds, up: UpAxis, fov_degrees: f64, aspect: f64) -> Self {
-        let towards_eye = up.turn(DVec3::new(0.5, 0.42, 1.0)).normalize();
-        Self::framing_from(bounds, towards_eye, up, fov_degrees, aspect)
-    }
-
-    /// The same from a direction: the unit vector from the bounds' centre towards the eye.
-    pub fn framing_from(
-        bounds: &Bounds,
-        towards_eye: DVec3,
-        up: UpAxis,
-        fov_degrees: f64,
-        aspect: f64,
-    ) -> Self {
-        let target = bounds.centre();
-        let half_height = (0.5 * fov_degrees).to_radians().tan();
-        let half_angle = (half_height * aspect.min(1.0)).atan();
-        // A single point, too, is looked at from somewhere.
-        let smallest = f64::from(f32::EPSILON) * target.abs().max_element();
-        let radius = (0.5 * bounds.diagonal()).max(smallest).max(1e-30);
-        let distance = (1.0 + MARGIN) * radius / half_angle.sin();
-        Self {
-            eye: target + distance * towards_eye,
-            target,
-            up: up.vector(),
-            fov_degrees,
-        }
-    }
-
     /// Prepares the camera for a picture's size, in the space relative to `origin`.
     ///
     /// # Errors
@@ -117,13 +83,7 @@ impl Camera {
         let forward = (self.target - self.eye)
             .try_normalize()
             .ok_or(CameraError::NoDirection(self.eye))?;
-        let right = forward.cross(self.up.normalize());
-        let right = if right.length() > 1e-6 {
-            right.normalize()
-        } else {
-            forward.any_orthonormal_vector()
-        };
-        let up = right.cross(forward);
+        let Axes { forward, right, up } = Axes::new(forward, self.up);
         let pixel = 2.0 * (0.5 * self.fov_degrees).to_radians().tan() / height as f64;
         let corner = forward - 0.5 * pixel * (width as f64 * right - height as f64 * up);
         Ok(Lens {
@@ -132,6 +92,30 @@ impl Camera {
             across: (pixel * right).as_vec3(),
             down: (-pixel * up).as_vec3(),
         })
+    }
+}
+
+/// The camera's own axes: unit, perpendicular to each other.
+pub(super) struct Axes {
+    pub forward: DVec3,
+    pub right: DVec3,
+    pub up: DVec3,
+}
+
+impl Axes {
+    /// The axes of a camera that looks along `forward`, a unit vector, with `up` roughly upwards.
+    pub fn new(forward: DVec3, up: DVec3) -> Self {
+        let right = forward.cross(up.normalize());
+        let right = if right.length() > 1e-6 {
+            right.normalize()
+        } else {
+            forward.any_orthonormal_vector()
+        };
+        Self {
+            forward,
+            right,
+            up: right.cross(forward),
+        }
     }
 }
 
@@ -156,18 +140,19 @@ impl Lens {
             (self.corner + x * self.across + y * self.down).normalize(),
         )
     }
+
+    /// Where a point of the local space is in the picture, in pixels; `None` behind the camera.
+    #[cfg(test)]
+    pub fn seen_at(&self, point: Vec3) -> Option<[f32; 2]> {
+        let matrix = glam::Mat3::from_cols(self.across, self.down, self.corner);
+        let p = matrix.inverse() * (point - self.eye);
+        (p.z > 0.0).then(|| [p.x / p.z, p.y / p.z])
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn bounds() -> Bounds {
-        Bounds {
-            min: DVec3::new(1.0, 2.0, 3.0),
-            max: DVec3::new(2.0, 4.0, 6.0),
-        }
-    }
 
     #[test]
     fn the_target_is_in_the_middle_and_right_is_right() {
@@ -190,34 +175,6 @@ mod tests {
     }
 
     #[test]
-    fn framed_corners_are_in_the_picture() {
-        for up in [UpAxis::Y, UpAxis::Z] {
-            for (width, height) in [(300, 100), (100, 300)] {
-                let aspect = width as f64 / height as f64;
-                let camera = Camera::framing(&bounds(), up, 35.0, aspect);
-                let lens = camera.lens(DVec3::ZERO, width, height).unwrap();
-                for corner in 0..8 {
-                    let pick = |axis: usize| corner >> axis & 1 == 1;
-                    let Bounds { min, max } = bounds();
-                    let corner =
-                        DVec3::select(glam::BVec3::new(pick(0), pick(1), pick(2)), min, max);
-                    let [x, y] = seen_at(&lens, corner.as_vec3());
-                    assert!((0.0..width as f32).contains(&x), "{x} of {width}");
-                    assert!((0.0..height as f32).contains(&y), "{y} of {height}");
-                }
-            }
-        }
-    }
-
-    /// Where a point is in the picture, in pixels.
-    fn seen_at(lens: &Lens, point: Vec3) -> [f32; 2] {
-        let matrix = glam::Mat3::from_cols(lens.across, lens.down, lens.corner);
-        let p = matrix.inverse() * (point - lens.eye);
-        assert!(p.z > 0.0, "behind the camera");
-        [p.x / p.z, p.y / p.z]
-    }
-
-    #[test]
     fn looking_along_the_up_vector_still_gives_a_picture() {
         let camera = Camera {
             eye: DVec3::new(0.0, 5.0, 0.0),
@@ -232,7 +189,12 @@ mod tests {
 
     #[test]
     fn a_camera_that_sees_nothing_is_refused() {
-        let camera = Camera::framing(&bounds(), UpAxis::Y, 35.0, 1.0);
+        let camera = Camera {
+            eye: DVec3::ONE,
+            target: DVec3::ZERO,
+            up: DVec3::Y,
+            fov_degrees: 35.0,
+        };
         let refused = |camera: Camera| camera.lens(DVec3::ZERO, 9, 9).unwrap_err();
         let same = Camera {
             target: camera.eye,

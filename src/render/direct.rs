@@ -106,9 +106,8 @@ impl Direct<'_> {
         } else {
             unit
         };
-        let off = self.scene.error_bound(&hit, &ray);
         Some(Seen {
-            start: ray.at(hit.t) + off * normal,
+            start: self.scene.leaving_point(&hit, &ray, normal),
             normal,
             coverage: 1.0,
         })

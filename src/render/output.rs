@@ -89,15 +89,17 @@ impl Sink {
             Some(directory) => directory,
             None => return Err(io::ErrorKind::IsADirectory.into()),
         };
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".").suffix(".part");
-        #[cfg(unix)]
-        {
-            // What any new file gets: the process's mask takes away what the user wants away.
-            use std::os::unix::fs::PermissionsExt;
-            builder.permissions(fs::Permissions::from_mode(0o666));
-        }
-        let file = builder.tempfile_in(directory).map_err(without_path)?;
+        // Opened like any new file, so that it gets the permissions of one.
+        let file = tempfile::Builder::new()
+            .prefix(".")
+            .suffix(".part")
+            .make_in(directory, |path| {
+                File::options()
+                    .read(true)
+                    .write(true)
+                    .create_new(true)
+                    .open(path)
+            })?;
         Ok(Self::Beside(file, place))
     }
 
@@ -117,15 +119,6 @@ impl Sink {
             Self::Direct(file) => file,
         }
     }
-}
-
-/// The operating system's own words, without the temporary file's name, which the user never sees.
-fn without_path(error: io::Error) -> io::Error {
-    let inner = error.get_ref().and_then(|inner| inner.source());
-    let code = inner
-        .and_then(|inner| inner.downcast_ref::<io::Error>())
-        .and_then(io::Error::raw_os_error);
-    code.map_or_else(|| error.kind().into(), io::Error::from_raw_os_error)
 }
 
 impl Write for Sink {

@@ -11,6 +11,7 @@ use super::stats::{MemoryParts, Times};
 use crate::curved::{CurvedMesh, CurvedOptions, Kinds};
 use crate::embree::{self, Device, Geometry, Hit, Ray, SceneBuilder};
 use crate::mesh::{Bounds, Mesh};
+use crate::surface::PatchKind;
 
 /// What a mesh's triangles stand for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +23,7 @@ pub enum Form {
 }
 
 /// A mesh in a scene. Its number there is the hits' `geom_id`.
-pub enum Body {
+pub enum Shape {
     /// Embree's own triangles.
     Flat(Arc<Mesh>),
     /// Curved patches.
@@ -34,7 +35,7 @@ pub enum Body {
 pub struct Scene {
     origin: DVec3,
     bounds: Bounds,
-    bodies: Vec<Body>,
+    shapes: Vec<Shape>,
     tree: embree::Scene,
     times: Times,
 }
@@ -61,15 +62,15 @@ impl Scene {
         let bounds = meshes.iter().map(Mesh::bounds).reduce(Bounds::union);
         let bounds = bounds.ok_or(SceneError::Empty)?;
         let origin = common_origin(&meshes, &bounds);
-        let bodies: Vec<Body> = meshes
+        let shapes: Vec<Shape> = meshes
             .into_iter()
-            .map(|mesh| Body::new(Arc::new(mesh.rebased(origin)), form))
+            .map(|mesh| Shape::new(Arc::new(mesh.rebased(origin)), form))
             .collect();
         let curved = Instant::now();
         // Flat triangles get the same promise as curved ones: no ray slips between them.
         let mut builder = SceneBuilder::new(device)?.robust(true);
-        for body in &bodies {
-            builder.attach(&body.geometry(device)?);
+        for shape in &shapes {
+            builder.attach(&shape.geometry(device)?);
         }
         let tree = builder.commit()?;
         let times = Times {
@@ -80,7 +81,7 @@ impl Scene {
         Ok(Self {
             origin,
             bounds,
-            bodies,
+            shapes,
             tree,
             times,
         })
@@ -97,8 +98,8 @@ impl Scene {
     }
 
     /// The meshes, by `geom_id`.
-    pub fn bodies(&self) -> &[Body] {
-        &self.bodies
+    pub fn shapes(&self) -> &[Shape] {
+        &self.shapes
     }
 
     /// The tree.
@@ -108,18 +109,18 @@ impl Scene {
 
     /// Triangles by kind, of all meshes.
     pub fn triangles(&self) -> Kinds {
-        self.bodies
+        self.shapes
             .iter()
-            .map(Body::kinds)
+            .map(Shape::kinds)
             .fold(Kinds::default(), |a, b| a + b)
     }
 
     /// Memory by part.
     pub fn memory(&self) -> MemoryParts {
-        let sum = |of: fn(&Body) -> usize| self.bodies.iter().map(|body| of(body) as u64).sum();
+        let sum = |of: fn(&Shape) -> usize| self.shapes.iter().map(|shape| of(shape) as u64).sum();
         MemoryParts {
-            mesh: sum(|body| body.mesh().memory()),
-            records: sum(Body::memory),
+            mesh: sum(|shape| shape.mesh().memory()),
+            records: sum(Shape::memory),
             embree: self.tree.device().memory().current,
         }
     }
@@ -135,26 +136,36 @@ impl Scene {
     /// # Panics
     /// If the hit is not one of this scene's.
     pub fn error_bound(&self, hit: &Hit, ray: &Ray) -> f32 {
-        match &self.bodies[hit.geom_id as usize] {
-            Body::Flat(mesh) => {
+        match &self.shapes[hit.geom_id as usize] {
+            Shape::Flat(mesh) => {
                 let corners = mesh.triangle_positions(hit.prim_id as usize);
                 let around = corners.map(|p| p.abs().max_element());
                 rounding(around.into_iter().fold(reach(ray, hit.t), f32::max))
             }
-            Body::Curved(mesh) => mesh.error_bound(hit.prim_id, ray, hit.t),
+            Shape::Curved(mesh) => mesh.error_bound(hit.prim_id, ray, hit.t),
         }
+    }
+
+    /// Where a secondary ray starts that leaves a hit's surface on the side of `normal`, one of its
+    /// two unit normals there: off the surface by the hit's error, so that the ray does not meet the
+    /// surface it leaves, and by no more, so that it meets whatever is near.
+    ///
+    /// # Panics
+    /// If the hit is not one of this scene's.
+    pub fn leaving_point(&self, hit: &Hit, ray: &Ray, normal: Vec3) -> Vec3 {
+        ray.at(hit.t) + self.error_bound(hit, ray) * normal
     }
 
     /// The height of the lowest point of the surface along `up` (a unit vector), in the local space.
     ///
     /// Of a curved triangle only the vertices and a grid of points are looked at.
     pub fn lowest(&self, up: Vec3) -> f32 {
-        let lowest = self.bodies.iter().map(|body| body.lowest(up));
+        let lowest = self.shapes.iter().map(|shape| shape.lowest(up));
         lowest.fold(f32::INFINITY, f32::min)
     }
 }
 
-impl Body {
+impl Shape {
     fn new(mesh: Arc<Mesh>, form: Form) -> Self {
         match form {
             Form::Flat => Self::Flat(mesh),
@@ -219,8 +230,7 @@ fn lowest_of_patch(mesh: &CurvedMesh, triangle: u32, up: Vec3, least: f32) -> f3
     let patch = mesh.patch(triangle);
     let [lower, upper] = patch.bounds().map(Vec3::from);
     let bottom = Vec3::select(up.cmpgt(Vec3::ZERO), lower, upper).dot(up);
-    // Also true for a patch without area, whose box is empty.
-    if !(bottom < least) || patch.kind() == crate::surface::PatchKind::Degenerate {
+    if patch.kind() == PatchKind::Degenerate || bottom >= least {
         return least;
     }
     let share = |n: u32| n as f32 / GRID as f32;
@@ -298,7 +308,7 @@ mod tests {
         let mesh = square(DVec3::new(1e6, 0.3, 0.1));
         let scene = Scene::new(&device, vec![mesh.clone()], Form::Flat).unwrap();
         assert_eq!(scene.origin(), mesh.origin());
-        assert_eq!(scene.bodies()[0].mesh(), &mesh);
+        assert_eq!(scene.shapes()[0].mesh(), &mesh);
     }
 
     #[test]

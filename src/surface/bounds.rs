@@ -72,7 +72,7 @@ const MIN_DISCRIMINANT: f64 = 0.1;
 const MAX_FOLD: f64 = 0.7;
 /// Greatest bound on the height, in units of the patch's size, at which a triangle is still taken:
 /// beyond it the normals contradict the triangle, and its box would cover half the scene.
-const MAX_HEIGHT: f64 = 2.0;
+const MAX_HEIGHT: f64 = 8.0;
 /// The same in units of the sides' greatest bend. The angular rule blows up on needles: a little
 /// angle away from a long side it adds much of the short side's curvature, all along the length.
 const MAX_HEIGHT_TO_BEND: f64 = 8.0;

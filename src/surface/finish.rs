@@ -67,10 +67,7 @@ pub(super) fn first_root<V: Real>(
     }
     probe_minima(&mut f, &values[..=parts], part, alive, &mut bracket);
     let found = bracket.found & alive;
-    Root {
-        at: chandrupatla(f, bracket, tolerance, found),
-        found,
-    }
+    chandrupatla(f, bracket, tolerance, found)
 }
 
 /// Looks between the samples before the bracket for a change of sign that they miss: a parabola
@@ -183,7 +180,7 @@ fn chandrupatla<V: Real>(
     bracket: Bracket<V>,
     tolerance: V,
     found: V::Mask,
-) -> V {
+) -> Root<V> {
     let (zero, half, one) = (V::constant(0.0), V::constant(0.5), V::constant(1.0));
     let (mut a, mut b) = (bracket.from, bracket.to);
     let (mut fa, mut fb) = (bracket.at_from, bracket.at_to);
@@ -212,7 +209,12 @@ fn chandrupatla<V: Real>(
         active = active & zero.less(value.abs());
         share = next_share(a, b, c, fa, fb, fc);
     }
-    best
+    Root {
+        at: best,
+        found,
+        value: fa.abs().lesser(fb.abs()),
+        width: (b - a).abs(),
+    }
 }
 
 /// Where between `a` and `b` to look next, as a share from `a`; `c` is the point left behind.

@@ -36,6 +36,12 @@ impl Surface {
 #[repr(transparent)]
 pub struct PatchFlags(u16);
 
+impl Default for PatchFlags {
+    fn default() -> Self {
+        Self::new(Surface::default())
+    }
+}
+
 impl PatchFlags {
     const FLAT: u16 = 1 << 3;
     const SURFACE_SHIFT: u16 = 4;

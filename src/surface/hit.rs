@@ -1,7 +1,7 @@
 //! Where a ray first meets a curved triangle.
 
 use super::finish::{self, MAX_PARTS};
-use super::ita;
+use super::ita::{self, Root};
 use super::patch::{Patch, PatchKind, Rule, next};
 use super::ray::{Ray, Segment};
 use super::real::{Mask, Real, Scalar};
@@ -109,23 +109,25 @@ impl<S: Scalar> Patch<S> {
             evaluations: 0,
         };
         for _ in 0..MAX_ROOTS {
-            let (at, found) = self.first_root(&segment, solver, &mut hit.evaluations);
-            let (above, z) = (segment.projection(at), segment.z(at));
+            let root = self.first_root(&segment, solver, &mut hit.evaluations);
+            let (above, z) = (segment.projection(root.at), segment.z(root.at));
             let foot = self.foot_under(above, z);
             let ([u, v], moved) = self.kept_inside(foot.b);
-            // A foot outside is no hit. And far off the surface the inverse of the guide field can
-            // jump, and F with it, past zero: no root either.
-            let beside = self.strayed(&foot, above, z).greater(moved);
-            let true_root = found & beside.at_most(segment.stray_room);
-            hit.t = V::select(true_root, segment.start + at, hit.t);
+            // Far off the surface the inverse of the guide field can jump, and F with it, past
+            // zero: no root. Nor is a foot outside.
+            let room = segment.stray_room;
+            let met = root.value.at_most(room + segment.steps(root.width));
+            let on_guide = self.strayed(&foot, above, z).at_most(room);
+            let true_root = root.found & met & on_guide & moved.at_most(room);
+            hit.t = V::select(true_root, segment.start + root.at, hit.t);
             hit.u = V::select(true_root, u, hit.u);
             hit.v = V::select(true_root, v, hit.v);
             hit.found = hit.found | true_root;
-            segment.alive = found & !true_root;
+            segment.alive = root.found & !true_root;
             if !segment.alive.any() {
                 break;
             }
-            segment.skip_to(at);
+            segment.skip_to(root.at);
         }
         hit
     }
@@ -145,7 +147,7 @@ impl<S: Scalar> Patch<S> {
         segment: &Segment<V>,
         solver: Solver,
         evaluations: &mut u32,
-    ) -> (V, V::Mask) {
+    ) -> Root<V> {
         // F of equation (44): the ray's height over the plane, less the surface's over its foot.
         let f = |at: V| {
             *evaluations += 1;
@@ -160,7 +162,10 @@ impl<S: Scalar> Patch<S> {
                 finish::first_root(f, segment.length, tolerance, segment.alive, parts)
             }
         };
-        (root.at, root.found & segment.alive)
+        Root {
+            found: root.found & segment.alive,
+            ..root
+        }
     }
 }
 

@@ -10,6 +10,11 @@ pub(super) struct Root<V: Real> {
     pub at: V,
     /// Whether one was found.
     pub found: V::Mask,
+    /// The lesser of the absolute values at the two ends of the last interval: not near zero where
+    /// the function jumps past it.
+    pub value: V,
+    /// Width of the last interval.
+    pub width: V,
 }
 
 /// Whether the two values lie on different sides of zero, which counts as positive.
@@ -56,6 +61,8 @@ pub(super) fn first_root<V: Real>(
     Root {
         at: start + width * share,
         found,
+        value: left.abs().lesser(right.abs()),
+        width,
     }
 }
 

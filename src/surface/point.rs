@@ -18,7 +18,9 @@ pub struct SurfacePoint<V> {
     pub tangent_u: Vector<V>,
     /// Derivative of the position by `v = b3`.
     pub tangent_v: Vector<V>,
-    /// The surface's own geometric normal: unit, on the side of the vertex normals.
+    /// The surface's own geometric normal: unit, on the side from which the vertices run
+    /// counterclockwise, as for Embree's flat triangles. That is also the side of the vertex
+    /// normals, unless the mesh contradicts itself.
     pub normal: Vector<V>,
 }
 
@@ -32,10 +34,9 @@ impl<S: Scalar> Patch<S> {
         let foot = self.foot_at::<V, V>([V::constant(1.0) - u - v, u, v]);
         let h = self.height(&foot);
         let [to_second, to_third] = self.spokes.map(Vector::<V>::splat);
-        let guide = Vector::splat(self.normal) + self.inward(&foot) * foot.lean;
-        let local = to_second * u + to_third * v + guide * h;
+        let local = to_second * u + to_third * v + self.guide(&foot) * h;
         let [tangent_u, tangent_v] = self.tangents(u, v);
-        let across = tangent_u.cross(tangent_v) * V::splat(self.winding);
+        let across = tangent_u.cross(tangent_v);
         let size = V::splat(self.size);
         SurfacePoint {
             position: local * size + Vector::splat(self.origin),
@@ -45,15 +46,28 @@ impl<S: Scalar> Patch<S> {
         }
     }
 
-    /// The surface's own geometric normal at barycentric coordinates `(1 - u - v, u, v)`: unit, on
-    /// the side of the vertex normals. [`SurfacePoint::normal`] without the rest.
+    /// The surface's own geometric normal at barycentric coordinates `(1 - u - v, u, v)`:
+    /// [`SurfacePoint::normal`] without the rest.
     #[inline(always)]
     pub fn normal_at<V: Real<Scalar = S>>(&self, u: V, v: V) -> Vector<V> {
         if self.rule == Rule::Flat {
-            return Vector::splat(self.normal);
+            return Vector::splat(self.normal * self.winding);
         }
         let [tangent_u, tangent_v] = self.tangents(u, v);
-        (tangent_u.cross(tangent_v) * V::splat(self.winding)).normalize()
+        tangent_u.cross(tangent_v).normalize()
+    }
+
+    /// The guide `g` over the plane point with barycentric coordinates `(1 - u - v, u, v)`: the way
+    /// from the plane to the surface, of equation (1), scaled so that its part along
+    /// [`Patch::plane_normal`] is 1.
+    #[inline(always)]
+    pub fn guide_at<V: Real<Scalar = S>>(&self, u: V, v: V) -> Vector<V> {
+        self.guide(&self.foot_at::<V, V>([V::constant(1.0) - u - v, u, v]))
+    }
+
+    #[inline(always)]
+    fn guide<V: Real<Scalar = S>>(&self, foot: &Foot<V, V>) -> Vector<V> {
+        Vector::splat(self.normal) + self.inward(foot) * foot.lean
     }
 
     /// Derivatives of the position by u and v, in units of the patch's size.

@@ -46,6 +46,8 @@ pub(super) struct Segment<V: Real> {
 const OVERLAP_EPSILONS: f64 = 256.0;
 /// How far beside a guide a hit may lie before the ray's own rounding.
 const STRAY_EPSILONS: f64 = 64.0;
+/// The steepest that F is expected to be along a ray, for a unit of its way.
+const STEEPEST: f64 = 8.0;
 /// What a ray from one unit away moves by rounding, in units of epsilon.
 const RAY_EPSILONS: f64 = 4.0;
 
@@ -89,6 +91,17 @@ impl<V: Real> Segment<V> {
             stray_room,
             ..local
         }
+    }
+
+    /// The whole line, from the ray's origin on.
+    #[cfg(test)]
+    pub fn unclipped_at_start<S: Scalar>(patch: &Patch<S>, ray: &Ray<V>) -> Self
+    where
+        V: Real<Scalar = S>,
+    {
+        let unit = V::splat(S::from_f64(1.0) / patch.size);
+        let from = (ray.origin - Vector::splat(patch.origin)) * unit;
+        Self::unclipped(patch, from, ray.direction * unit, ray.tnear, ray.tfar)
     }
 
     #[inline(always)]
@@ -177,6 +190,13 @@ impl<V: Real> Segment<V> {
     pub fn tolerance(&self) -> V {
         let epsilon = V::splat(V::Scalar::EPSILON);
         epsilon / self.speed + epsilon * V::constant(0.25) * self.start.abs()
+    }
+
+    /// What a steep surface may rise within a step of this width of the segment's parameter, in
+    /// units of the patch's size.
+    #[inline(always)]
+    pub fn steps(&self, width: V) -> V {
+        width * self.speed * V::constant(STEEPEST)
     }
 
     /// Begins the segment anew a little beyond `at`.

@@ -5,6 +5,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use curvetri::bodies::{self, Blob};
 use curvetri::curved::{CurvedMesh, CurvedOptions};
 use curvetri::embree::{Device, Geometry, QueryOptions, Ray, RayPacket, Scene, SceneBuilder};
 use curvetri::mesh::{LoadOptions, Mesh, Topology, load};
@@ -58,7 +59,6 @@ pub struct Traced {
     pub name: String,
     pub curved: Arc<CurvedMesh>,
     pub scene: Scene,
-    pub flat: Scene,
 }
 
 impl Body {
@@ -68,20 +68,20 @@ impl Body {
 
     pub fn traced_by(&self, surface: Surface, solver: Solver) -> Traced {
         let device = Device::new().expect("Embree is installed");
-        let options = CurvedOptions { surface, solver };
+        let options = CurvedOptions {
+            surface,
+            solver,
+            ..CurvedOptions::default()
+        };
         let curved = Arc::new(CurvedMesh::new(self.mesh.clone(), &options));
         let scene = alone(
             &device,
             Geometry::user(&device, curved.clone()).unwrap().commit(),
         );
-        let mesh = &self.mesh;
-        let flat = Geometry::triangles(&device, mesh.positions(), mesh.triangles()).unwrap();
-        let flat = alone(&device, flat.commit());
         Traced {
             name: self.name.clone(),
             curved,
             scene,
-            flat,
         }
     }
 }
@@ -114,6 +114,46 @@ pub fn real_meshes(names: &[&str]) -> Vec<Body> {
     bodies
 }
 
+/// Closed bodies that the repo's own programs make, split vertices, hard rims and slivers included.
+pub fn made_bodies() -> Vec<Body> {
+    let blob = Blob {
+        cells: 14,
+        seed: 5,
+        least_share: 0.01,
+        rim: false,
+        split: false,
+    };
+    let made = [
+        (
+            "sphere of 4 triangles",
+            bodies::Body::sphere_tetrahedron().mesh(),
+        ),
+        ("torus", bodies::Body::torus(12, 16).mesh()),
+        ("fine torus", bodies::Body::torus(48, 64).mesh()),
+        ("bumpy torus", bodies::bumpy_torus(5_000)),
+        ("capped cylinder", bodies::capped_cylinder(16, 1.5)),
+        (
+            "teapot's pot",
+            bodies::teapot_part(bodies::TeapotPart::Pot, 6),
+        ),
+        ("blob", blob.mesh()),
+        ("blob with a rim", Blob { rim: true, ..blob }.mesh()),
+        (
+            "blob with a seam",
+            Blob {
+                split: true,
+                ..blob
+            }
+            .mesh(),
+        ),
+    ];
+    made.map(|(name, mesh)| Body {
+        name: name.to_owned(),
+        mesh: Arc::new(mesh),
+    })
+    .into()
+}
+
 /// Every closed body there is: made by the repo's own programs, and real ones.
 pub fn closed_bodies() -> Vec<Body> {
     let real = [
@@ -121,17 +161,17 @@ pub fn closed_bodies() -> Vec<Body> {
         "bunny_2k.obj",
         "armadillo_29k.obj",
     ];
-    let mut bodies = real_meshes(&real);
+    let mut bodies = made_bodies();
+    bodies.extend(real_meshes(&real));
     bodies.retain(|body| {
-        let closed = Topology::new(&body.mesh).counts().is_closed();
-        if !closed {
+        let counts = Topology::new(&body.mesh).counts().clone();
+        if !counts.is_closed() {
             println!(
-                "skipped, because it is not closed: {} {:?}",
-                body.name,
-                Topology::new(&body.mesh).counts()
+                "skipped, because it is not closed: {} {counts:?}",
+                body.name
             );
         }
-        closed
+        counts.is_closed()
     });
     bodies
 }
@@ -193,30 +233,20 @@ pub fn all_hits(traced: &Traced, ray: &Ray) -> Vec<curvetri::embree::Hit> {
     hits
 }
 
-/// A point well inside a closed body: rays from it cross the flat triangles an odd number of times.
+/// A point inside a closed body: rays from it cross the surface an odd number of times, in each of
+/// nine directions, and not at once.
 fn inside_point(traced: &Traced, random: &mut Random) -> Vec3 {
     let bounds = traced.scene.bounds();
-    let (centre, half) = (
-        (bounds.lower + bounds.upper) * 0.5,
-        (bounds.upper - bounds.lower) * 0.5,
-    );
+    let centre = (bounds.lower + bounds.upper) * 0.5;
+    let half = (bounds.upper - bounds.lower) * 0.5;
     loop {
         let point = centre + half * random.in_cube();
-        let clear = half.max_element() * 0.03;
-        let odd = (0..9).all(|_| {
-            let ray = Ray::new(point, random.direction());
-            let mut rest = ray;
-            let mut crossings = 0;
-            while let Some(hit) = first_hit(&traced.flat, &rest) {
-                if crossings == 0 && hit.t < clear {
-                    return false;
-                }
-                crossings += 1;
-                rest.tnear = hit.t * (1.0 + 1e-6) + clear * 1e-5;
-            }
-            crossings % 2 == 1
+        let clear = half.max_element() * 0.01;
+        let inside = (0..9).all(|_| {
+            let hits = all_hits(traced, &Ray::new(point, random.direction()));
+            hits.len() % 2 == 1 && hits[0].t > clear
         });
-        if odd {
+        if inside {
             return point;
         }
     }

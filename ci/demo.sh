@@ -1,0 +1,22 @@
+#!/bin/bash
+# Renders the demonstration's pictures into a directory: every mesh of scenes/, flat and curved.
+#
+#   ci/demo.sh OUT      after cargo build --release
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+out=${1:?a directory for the pictures}
+program=${CARGO_TARGET_DIR:-target}/release/curvetri
+mkdir -p "$out"
+
+shopt -s nullglob
+scenes=(scenes/*.obj)
+[ ${#scenes[@]} -gt 0 ] || { echo "ci/demo.sh: no meshes in scenes/" >&2; exit 1; }
+for mesh in "${scenes[@]}"; do
+    name=$(basename "$mesh" .obj)
+    for surface in flat smooth; do
+        "$program" render "$mesh" -o "$out/$name-$surface.png" --surface "$surface" --ground
+    done
+done
+echo "The pictures are in $out/:"
+(cd "$out" && printf '  %s\n' *.png)

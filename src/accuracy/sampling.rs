@@ -1,0 +1,64 @@
+//! Where a triangle and a side are looked at.
+
+/// The golden ratio's siblings: Roberts' R2 sequence, which fills the square evenly.
+const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+/// The golden ratio less 1.
+const R1: f64 = 0.618_033_988_749_894_8;
+
+/// `count` barycentric coordinates (u, v), uniform over a triangle's area.
+pub(super) fn points(count: usize, seed: u64, triangle: usize) -> impl Iterator<Item = [f64; 2]> {
+    let start = [0, 1].map(|n| unit(seed, 2 * triangle as u64 + n));
+    (0..count).map(move |n| {
+        let [u, v] = [0, 1].map(|k| (start[k] + R2[k] * n as f64).fract());
+        if u + v > 1.0 {
+            [1.0 - u, 1.0 - v]
+        } else {
+            [u, v]
+        }
+    })
+}
+
+/// `count` places along a side, from 0 to 1 and uniform.
+pub(super) fn places(count: usize, seed: u64, side: usize) -> impl Iterator<Item = f64> {
+    let start = unit(!seed, side as u64);
+    (0..count).map(move |n| (start + R1 * n as f64).fract())
+}
+
+/// A number from 0 up to but without 1, by Steele, Lea and Flood's SplitMix64.
+fn unit(seed: u64, index: u64) -> f64 {
+    let step = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut z = seed.wrapping_mul(0xd134_2543_de82_ef95);
+    z = z.wrapping_add(index.wrapping_add(1).wrapping_mul(step));
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_fill_the_triangle_evenly() {
+        let count = 20_000;
+        let mut sums = [0.0; 3];
+        let mut in_corner = 0;
+        for [u, v] in points(count, 7, 3) {
+            assert!(u >= 0.0 && v >= 0.0 && u + v <= 1.0 + 1e-15);
+            sums = [sums[0] + u, sums[1] + v, sums[2] + u * v];
+            in_corner += usize::from(u + v < 0.5);
+        }
+        let means = sums.map(|sum| sum / count as f64);
+        assert!((means[0] - 1.0 / 3.0).abs() < 1e-3 && (means[1] - 1.0 / 3.0).abs() < 1e-3);
+        assert!((means[2] - 1.0 / 12.0).abs() < 1e-3, "{means:?}");
+        assert!((in_corner as f64 / count as f64 - 0.25).abs() < 2e-3);
+    }
+
+    #[test]
+    fn seeds_and_triangles_differ() {
+        let first = |seed, triangle| points(1, seed, triangle).next();
+        assert_ne!(first(1, 0), first(2, 0));
+        assert_ne!(first(1, 0), first(1, 1));
+        assert_eq!(first(1, 5), first(1, 5));
+    }
+}

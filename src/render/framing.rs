@@ -1,0 +1,292 @@
+//! Where a camera has to stand to see all of a scene.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::camera::{Axes, Camera, UpAxis};
+use super::scene::{Scene, Shape};
+use crate::mesh::Mesh;
+
+/// How much further away than necessary the camera stands, as a share of its distance.
+const MARGIN: f64 = 0.05;
+/// A shadow longer than this many times the height of what casts it is not shown to its end.
+const LONGEST_SHADOW: f32 = 2.0;
+
+/// What a camera that finds its own place goes by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Framing {
+    /// Upwards in the picture.
+    pub up: UpAxis,
+    /// The angle that the picture's height covers, in degrees.
+    pub fov_degrees: f64,
+    /// The picture's width over its height.
+    pub aspect: f64,
+    /// Towards the sun (unit length), if the shadows on the ground are to be seen as well.
+    pub shadows_of: Option<Vec3>,
+}
+
+impl Framing {
+    /// A camera that looks from above, in front and a little to the right, as near as shows
+    /// everything.
+    ///
+    /// It goes by vertices and their normals, so flat and curved scenes of the same meshes are framed
+    /// the same.
+    pub fn camera(&self, scene: &Scene) -> Camera {
+        let towards_eye = self.up.turn(DVec3::new(0.5, 0.42, 1.0)).normalize();
+        let axes = Axes::new(-towards_eye, self.up.vector());
+        let middle = scene.bounds().centre();
+        let eye = self.wedges(scene, &axes).eye(1.0 + MARGIN);
+        // A single point, too, is looked at from somewhere.
+        let least = (f64::from(f32::EPSILON) * middle.abs().max_element()).max(1e-30);
+        let [x, y, z] = [eye[0], eye[1], eye[2].max(least)];
+        let target = middle + x * axes.right + y * axes.up;
+        Camera {
+            eye: target + z * towards_eye,
+            target,
+            up: self.up.vector(),
+            fov_degrees: self.fov_degrees,
+        }
+    }
+
+    /// Around everything to be seen, from the middle of the scene's bounds.
+    fn wedges(&self, scene: &Scene, axes: &Axes) -> Wedges {
+        let slope = (0.5 * self.fov_degrees).to_radians().tan();
+        let none = Wedges {
+            slopes: [slope * self.aspect, slope],
+            ..Wedges::NONE
+        };
+        let centre = (scene.bounds().centre() - scene.origin()).as_vec3();
+        let shadows = self.shadows_of.map(|sun| self.shadows(scene, sun));
+        let add = |wedges: Wedges, (p, radius): (Vec3, f32)| {
+            wedges.including((p - centre).as_dvec3(), radius.into(), axes)
+        };
+        let add_both = |wedges: Wedges, (p, radius): (Vec3, f32)| match &shadows {
+            Some(shadows) => add(add(wedges, (p, radius)), (shadows.of(p), radius)),
+            None => add(wedges, (p, radius)),
+        };
+        let meshes = scene.shapes().iter().map(Shape::mesh);
+        meshes
+            .map(|mesh| {
+                let triangles = mesh.triangles().par_iter();
+                triangles
+                    .fold(
+                        || none,
+                        |wedges, t| balls(mesh, t).into_iter().fold(wedges, add_both),
+                    )
+                    .reduce(|| none, Wedges::union)
+            })
+            .fold(none, Wedges::union)
+    }
+
+    fn shadows(&self, scene: &Scene, towards_sun: Vec3) -> Shadows {
+        let up = self.up.vector().as_vec3();
+        let meshes = scene.shapes().iter().map(Shape::mesh);
+        let lowest = meshes.map(|mesh| {
+            let triangles = mesh.triangles().par_iter();
+            let bottoms =
+                triangles.flat_map_iter(|t| balls(mesh, t).map(|(p, radius)| p.dot(up) - radius));
+            bottoms.reduce(|| f32::INFINITY, f32::min)
+        });
+        let height = towards_sun.dot(up);
+        let along = height * up - towards_sun;
+        let least_height = along.length() / LONGEST_SHADOW;
+        Shadows {
+            up,
+            ground: lowest.fold(f32::INFINITY, f32::min),
+            slide: along / height.max(least_height).max(f32::MIN_POSITIVE),
+        }
+    }
+}
+
+/// Balls that hold the curved surface of a triangle, roughly: around its vertices and around where
+/// its sides' middles and its centroid are lifted to, as far as the vertices' tangent planes say.
+fn balls(mesh: &Mesh, triangle: &[u32; 3]) -> [(Vec3, f32); 7] {
+    let [a, b, c] = triangle.map(|v| mesh.positions()[v as usize]);
+    let [na, nb, nc] = triangle.map(|v| mesh.normals()[v as usize]);
+    // A sphere's side lies this much above its ends' tangent planes.
+    let rise = |p: Vec3, n: Vec3, q: Vec3, m: Vec3| 0.5 * (n - m).dot(p - q);
+    let middle = |p: Vec3, n: Vec3, q: Vec3, m: Vec3| {
+        0.5 * (p + q) + rise(p, n, q, m) / 3.0 * (n + m).normalize_or_zero()
+    };
+    let rises = [rise(a, na, b, nb), rise(b, nb, c, nc), rise(c, nc, a, na)];
+    let lift = 0.5 / 3.0 * (rises[0] + rises[1] + rises[2]);
+    let centroid = (a + b + c) / 3.0 + lift * (na + nb + nc).normalize_or_zero();
+    let radius = rises
+        .iter()
+        .map(|rise| 0.125 * rise.abs())
+        .fold(0.0, f32::max);
+    [
+        a,
+        b,
+        c,
+        middle(a, na, b, nb),
+        middle(b, nb, c, nc),
+        middle(c, nc, a, na),
+        centroid,
+    ]
+    .map(|p| (p, radius))
+}
+
+/// Where points cast their shadows on the ground.
+struct Shadows {
+    up: Vec3,
+    /// The ground's height along `up`.
+    ground: f32,
+    /// How far a shadow lies from the foot of what casts it, for each unit of height.
+    slide: Vec3,
+}
+
+impl Shadows {
+    fn of(&self, p: Vec3) -> Vec3 {
+        p + (p.dot(self.up) - self.ground) * (self.slide - self.up)
+    }
+}
+
+/// Where the four planes through the picture's edges touch something, in the camera's axes around a
+/// centre: per picture axis the greatest of `position + slope * nearness` on either side.
+#[derive(Clone, Copy)]
+struct Wedges {
+    slopes: [f64; 2],
+    touching: [[f64; 2]; 2],
+    nearest: f64,
+}
+
+impl Wedges {
+    /// Around nothing.
+    const NONE: Self = Self {
+        slopes: [1.0; 2],
+        touching: [[f64::NEG_INFINITY; 2]; 2],
+        nearest: f64::NEG_INFINITY,
+    };
+
+    /// Around a ball as well.
+    fn including(mut self, p: DVec3, radius: f64, axes: &Axes) -> Self {
+        let near = -p.dot(axes.forward);
+        for (n, axis) in [axes.right, axes.up].into_iter().enumerate() {
+            let slope = self.slopes[n];
+            let (at, room) = (p.dot(axis), radius * slope.hypot(1.0));
+            let [positive, negative] = &mut self.touching[n];
+            *positive = positive.max(at + slope * near + room);
+            *negative = negative.max(-at + slope * near + room);
+        }
+        self.nearest = self.nearest.max(near + radius);
+        self
+    }
+
+    /// Around both, of the same slopes.
+    fn union(self, other: Self) -> Self {
+        let [a, b] = [self.touching, other.touching];
+        Self {
+            slopes: self.slopes,
+            touching: [0, 1].map(|n| [0, 1].map(|side| a[n][side].max(b[n][side]))),
+            nearest: self.nearest.max(other.nearest),
+        }
+    }
+
+    /// The nearest place from which all is within the planes, this much further away: to the right,
+    /// up and back.
+    fn eye(&self, margin: f64) -> [f64; 3] {
+        let [[right, left], [top, bottom]] = self.touching;
+        let back = [
+            (right + left) / self.slopes[0],
+            (top + bottom) / self.slopes[1],
+        ]
+        .into_iter()
+        .fold(self.nearest, |back, both| back.max(0.5 * both));
+        [0.5 * (right - left), 0.5 * (top - bottom), margin * back]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::scene::Form;
+    use super::*;
+    use crate::embree::Device;
+
+    fn scene(positions: Vec<DVec3>) -> Scene {
+        let triangles = (2..positions.len() as u32).map(|i| [0, i - 1, i]).collect();
+        let mesh = Mesh::new(positions, None, triangles).unwrap();
+        Scene::new(&Device::new().unwrap(), vec![mesh], Form::Flat).unwrap()
+    }
+
+    fn framing(up: UpAxis, aspect: f64) -> Framing {
+        Framing {
+            up,
+            fov_degrees: 35.0,
+            aspect,
+            shadows_of: None,
+        }
+    }
+
+    #[test]
+    fn framed_vertices_are_in_the_picture_and_nearly_fill_it() {
+        let offset = DVec3::new(3e5, 1.0, 2.0);
+        let corners = [
+            DVec3::ZERO,
+            DVec3::new(9.0, 0.0, 1.0),
+            DVec3::new(8.0, 3.0, 0.0),
+        ];
+        let scene = scene(corners.map(|p| p + offset).to_vec());
+        for up in [UpAxis::Y, UpAxis::Z] {
+            for size in [[300_usize, 100], [100, 300]] {
+                let aspect = size[0] as f64 / size[1] as f64;
+                let camera = framing(up, aspect).camera(&scene);
+                let lens = camera.lens(scene.origin(), size[0], size[1]).unwrap();
+                let seen = scene.shapes()[0].mesh().positions().iter();
+                let seen: Vec<_> = seen.map(|&p| lens.seen_at(p).unwrap()).collect();
+                let shares = [0, 1].map(|axis| {
+                    let of = |fold: fn(f32, f32) -> f32, start| {
+                        seen.iter()
+                            .map(|p| p[axis] / size[axis] as f32)
+                            .fold(start, fold)
+                    };
+                    [of(f32::min, 1.0), of(f32::max, 0.0)]
+                });
+                assert!(
+                    shares.iter().all(|[low, high]| *low > 0.0 && *high < 1.0),
+                    "{shares:?}"
+                );
+                let fills = shares.iter().any(|[low, high]| high - low > 0.85);
+                assert!(fills, "{shares:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_scene_of_one_point_is_looked_at_from_somewhere() {
+        let camera = framing(UpAxis::Y, 1.0).camera(&scene(vec![DVec3::ONE; 3]));
+        assert!(camera.lens(DVec3::ZERO, 9, 9).is_ok(), "{camera:?}");
+    }
+
+    #[test]
+    fn shadows_are_in_the_picture_too() {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::new(0.0, 3.0, 0.0)];
+        let scene = scene(corners.to_vec());
+        let sun = Vec3::new(-1.0, 1.0, 1.0).normalize();
+        // The top's shadow: three to the right, three to the back, on the ground.
+        let shadow = Vec3::new(3.0, 0.0, -3.0);
+        let framed = |shadows_of: Option<Vec3>| {
+            let camera = Framing {
+                shadows_of,
+                ..framing(UpAxis::Y, 1.0)
+            }
+            .camera(&scene);
+            let lens = camera.lens(scene.origin(), 100, 100).unwrap();
+            let [x, y] = lens.seen_at(shadow).unwrap();
+            (0.0..100.0).contains(&x) && (0.0..100.0).contains(&y)
+        };
+        assert!(framed(Some(sun)));
+        assert!(
+            !framed(None),
+            "the test needs a shadow that leaves the picture"
+        );
+        // A sun at the horizon, or below it, still gives a picture.
+        for low in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.8, -0.6, 0.0)] {
+            let camera = Framing {
+                shadows_of: Some(low),
+                ..framing(UpAxis::Y, 1.0)
+            };
+            assert!(camera.camera(&scene).eye.is_finite());
+        }
+    }
+}
