@@ -138,9 +138,12 @@ mod tests {
                 for (i, at) in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
                     let point = bezier.at(at);
                     assert!(point[0].distance(t.positions[i]) < 1e-15);
-                    if peer != Peer::Phong {
-                        assert!(normal(point).distance(t.normals[i]) < 1e-12, "{peer:?}");
-                    }
+                    // In a narrow corner Nagata's sides can cross each other, which turns the
+                    // geometric normal over: it is the given one or its opposite.
+                    let off = normal(point).cross(t.normals[i]).length();
+                    assert!(peer == Peer::Phong || off < 1e-12, "{peer:?}: {off}");
+                    let turned = normal(point).dot(t.normals[i]) < 0.0;
+                    assert!(peer == Peer::Nagata || !turned, "{peer:?}");
                 }
             }
         }

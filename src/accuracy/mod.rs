@@ -6,9 +6,10 @@
 //! the true one, and its jump across sides.
 //!
 //! Surfaces are measured *unchecked* ([`CurvedOptions::unchecked`]): curved as the method has them,
-//! also where our own test of validity would keep a triangle flat. The paper's torus of 6 by 8 pieces is so coarse that half of its triangles fail that test;
-//! the paper's figures for it are those of the curved form. [`Row::flat_by_default`] counts such
-//! triangles, so that nobody takes the figures for what the renderer shows there.
+//! also where our own test of validity would keep a triangle flat. The paper's torus of 6 by 8
+//! pieces is so coarse that half of its triangles fail that test; the paper's figures for it are
+//! those of the curved form. [`Row::flat_by_default`] counts such triangles, so that nobody takes
+//! the figures for what the renderer shows there.
 //!
 //! Beside ours stand other methods' curved triangles ([`Model::PEERS`]). They have no guides: their
 //! error is the distance to the nearest point of the true surface, which is a little smaller. Where
