@@ -7,7 +7,7 @@
 //! keeps triangles flat where the guide field folds over, which the 96 triangles of the torus would
 //! not pass (see the README's limits).
 
-use std::io::{Cursor, Write};
+use std::io::Cursor;
 
 use curvetri::bodies::Body;
 use curvetri::curved::CurvedOptions;
@@ -17,7 +17,7 @@ use curvetri::render::{
 };
 use image::{RgbaImage, imageops};
 
-const TILE: [usize; 2] = [480, 400];
+const TILE: [usize; 2] = [320, 264];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let output = std::env::args().nth(1).ok_or("name the picture to write")?;
@@ -69,6 +69,6 @@ fn tile(scene: &Scene) -> Result<RgbaImage, Box<dyn std::error::Error>> {
     };
     let (film, _) = render(scene, &picture, &|_, _| {})?;
     let mut png = Cursor::new(Vec::new());
-    film.write_png(&mut png, Background::Sky, 0.0)?;
+    film.write_png(&mut png, Background::default(), 0.0)?;
     Ok(image::load_from_memory(png.get_ref())?.to_rgba8())
 }
