@@ -1,6 +1,7 @@
 //! The command line: one file a command.
 
 mod accuracy;
+mod accuracy_report;
 mod console;
 mod render;
 mod stats;

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use curvetri::curved::CurvedOptions;
-use curvetri::mesh::{self, LoadOptions, Mesh};
+use curvetri::mesh::{self, LoadOptions, Mesh, NormalsPolicy};
 use curvetri::render::Form;
 use curvetri::surface::{Solver, Surface};
 
@@ -37,6 +37,20 @@ pub struct SurfaceArgs {
     /// Where normals are missing, faces that meet at a greater angle than this make a hard edge
     #[arg(long, value_name = "DEGREES", default_value = "30", value_parser = values::crease)]
     crease_angle: f32,
+
+    /// Which of the normals that a file has are used
+    #[arg(long, value_enum, default_value_t = NormalsChoice::Auto)]
+    normals: NormalsChoice,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum NormalsChoice {
+    /// All
+    Stored,
+    /// None: all are made from the triangles
+    Smooth,
+    /// All but flat ones on what looks like a curved wall
+    Auto,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -85,6 +99,11 @@ impl SurfaceArgs {
     pub fn load(&self, path: &Path, console: &Console) -> Result<Mesh> {
         let options = LoadOptions {
             crease_angle_degrees: self.crease_angle,
+            normals: match self.normals {
+                NormalsChoice::Stored => NormalsPolicy::Stored,
+                NormalsChoice::Smooth => NormalsPolicy::Smooth,
+                NormalsChoice::Auto => NormalsPolicy::Auto,
+            },
         };
         let bar = console.spinner("reading");
         let loaded = mesh::load(path, &options)?;

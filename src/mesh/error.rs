@@ -1,6 +1,6 @@
 //! What can be wrong with a mesh or its file, each with a sentence that names the place.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
@@ -97,7 +97,7 @@ pub enum LoadError {
         source: std::io::Error,
     },
     /// The file is of a format that is not read.
-    #[error("{}: {what}; OBJ files are read", path.display())]
+    #[error("{}: {what}; OBJ, PLY, STL, OFF, glTF and GLB files are read", path.display())]
     Format {
         /// The file.
         path: PathBuf,
@@ -114,6 +114,14 @@ pub enum LoadError {
         /// What is wrong with it.
         what: String,
     },
+    /// Something in a file without lines is wrong, or the file as a whole.
+    #[error("{}: {what}", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// The element and what is wrong with it.
+        what: String,
+    },
     /// The file's content as a whole is no mesh.
     #[error("{}: {source}", path.display())]
     Mesh {
@@ -122,4 +130,33 @@ pub enum LoadError {
         /// What is wrong.
         source: MeshError,
     },
+}
+
+/// What a reader finds wrong, not yet with the file's name.
+#[derive(Debug, PartialEq)]
+pub(super) enum Fault {
+    /// A line, counted from 1.
+    Line(usize, String),
+    /// An element, or the whole.
+    Content(String),
+    /// What the file says is no mesh.
+    Mesh(MeshError),
+}
+
+impl Fault {
+    /// The error for the file of this name.
+    pub(super) fn of(self, path: &Path) -> LoadError {
+        let path = path.into();
+        match self {
+            Fault::Line(line, what) => LoadError::Line { path, line, what },
+            Fault::Content(what) => LoadError::Content { path, what },
+            Fault::Mesh(source) => LoadError::Mesh { path, source },
+        }
+    }
+}
+
+impl From<MeshError> for Fault {
+    fn from(error: MeshError) -> Fault {
+        Fault::Mesh(error)
+    }
 }

@@ -150,7 +150,19 @@ fn for_pairs(sides: &[(u32, bool, u32)], mut pair: impl FnMut(u32, u32)) {
 
 /// The unit normal of a triangle and the angle at its first corner, both zero where the triangle is
 /// so thin that single-precision positions do not tell its plane.
-fn face_at([here, next, prev]: [DVec3; 3]) -> (DVec3, f64) {
+fn face_at(corners: [DVec3; 3]) -> (DVec3, f64) {
+    let normal = plane_normal(corners);
+    if normal == DVec3::ZERO {
+        return (normal, 0.0);
+    }
+    let [here, next, prev] = corners;
+    let (a, b) = (next - here, prev - here);
+    (normal, a.cross(b).length().atan2(a.dot(b)))
+}
+
+/// The unit normal of a triangle, zero where it is so thin that single-precision positions do not
+/// tell its plane.
+pub(super) fn plane_normal([here, next, prev]: [DVec3; 3]) -> DVec3 {
     let (a, b) = (next - here, prev - here);
     let cross = a.cross(b);
     let longest_squared = a
@@ -162,9 +174,9 @@ fn face_at([here, next, prev]: [DVec3; 3]) -> (DVec3, f64) {
     let rounding = 4.0 * f64::from(f32::EPSILON) * reach;
     // The doubled area over the longest side is the height.
     if cross.length() <= longest * rounding.max(1e-6 * longest) {
-        return (DVec3::ZERO, 0.0);
+        return DVec3::ZERO;
     }
-    (cross.normalize(), cross.length().atan2(a.dot(b)))
+    cross.normalize()
 }
 
 #[cfg(test)]

@@ -1,27 +1,42 @@
 //! Triangle meshes: reading files, vertex normals, which triangles share a side.
 //!
-//! [`load`] reads a file into a [`Loaded`]: a [`Mesh`] and what was met on the way. Every reader
-//! makes a [`RawMesh`] of what its file says; [`RawMesh::into_mesh`] checks it, makes missing
+//! [`load`] reads a file (OBJ, PLY, STL, OFF, glTF) into a [`Loaded`]: a [`Mesh`] and what was met
+//! on the way. Every reader makes a [`RawMesh`] of what its file says; [`RawMesh::into_mesh`] checks it, makes missing
 //! normals and merges corners into vertices. [`Topology`] then tells which triangles share a side
 //! and how.
 
 mod error;
+mod faces;
+mod facets;
 mod fan;
+mod format;
+mod gltf;
+mod gltf_buffers;
+mod input;
+#[cfg(test)]
+mod mangle;
 mod normals;
 mod obj;
 mod obj_clean;
 mod obj_text;
 mod obj_write;
+mod off;
+mod ply;
+mod ply_body;
 mod polygon;
 mod raw;
+mod stl;
+mod text;
 mod topology;
 mod triangle_mesh;
 mod weld;
 
 use std::path::Path;
 
+use format::Format;
+
 pub use error::{LoadError, MAX_COORDINATE, MAX_INDICES, MeshError};
-pub use normals::NormalsReport;
+pub use normals::{NormalsPolicy, NormalsReport};
 pub use obj_write::{obj_text, write_obj};
 pub use raw::{NO_NORMAL, RawMesh};
 pub use topology::{NO_TRIANGLE, SideKind, Topology, TopologyCounts};
@@ -33,12 +48,15 @@ pub struct LoadOptions {
     /// Where normals are missing, faces whose dihedral angle (degrees, 0 where they lie in one
     /// plane) is at most this are smoothed into each other; a greater one makes a hard edge.
     pub crease_angle_degrees: f32,
+    /// Which of the stored normals are used.
+    pub normals: NormalsPolicy,
 }
 
 impl Default for LoadOptions {
     fn default() -> LoadOptions {
         LoadOptions {
             crease_angle_degrees: 30.0,
+            normals: NormalsPolicy::default(),
         }
     }
 }
@@ -65,52 +83,109 @@ pub struct LoadReport {
     pub warnings: Vec<String>,
 }
 
-/// Reads a mesh file.
+/// What a reader makes of a file.
+#[derive(Debug)]
+struct Parsed {
+    raw: RawMesh,
+    report: LoadReport,
+}
+
+/// Reads a mesh file, or standard input where the path is `-`.
 ///
-/// OBJ is read (see the user's manual for its fine print); the format is told by the content.
+/// OBJ, PLY, STL, OFF, glTF and GLB files are read, each also as `.gz`; the content tells which it
+/// is, not the name. All their parts become one mesh. Of a glTF file the default scene is read.
 ///
 /// # Errors
 ///
 /// [`LoadError`], whose message names the file, the line or element, and what is wrong.
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, LoadError> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|source| LoadError::Read {
+    let bytes = input::read(path).map_err(|source| LoadError::Read {
         path: path.into(),
         source,
     })?;
-    if let Some(what) = other_format(&bytes) {
-        return Err(LoadError::Format {
-            path: path.into(),
-            what: what.into(),
-        });
+    if input::is_standard_input(path) {
+        return load_bytes(bytes, "standard input", options);
     }
-    obj::read(bytes, path, options)
+    load_bytes(bytes, path, options)
 }
 
-/// What a file is if it cannot be an OBJ. Further formats find their readers here.
-fn other_format(bytes: &[u8]) -> Option<&'static str> {
-    let first_word = bytes
-        .split(u8::is_ascii_whitespace)
-        .find(|word| !word.is_empty())
-        .unwrap_or_default();
-    match first_word {
-        b"ply" => Some("this is a PLY file, which is not read yet"),
-        b"solid" => Some("this is an STL file, which is not read yet"),
-        b"OFF" | b"COFF" | b"NOFF" | b"CNOFF" => Some("this is an OFF file, which is not read yet"),
-        _ if bytes.starts_with(b"glTF") => Some("this is a GLB file, which is not read yet"),
-        _ if bytes.starts_with(b"\x1f\x8b") => Some("this is a gzip file, which is not read yet"),
-        _ if first_word.starts_with(b"{") => {
-            Some("this looks like a glTF file, which is not read yet")
+/// Reads a mesh from the bytes of a file. The path is for messages, and for files that the mesh
+/// names, which are looked for beside it.
+///
+/// # Errors
+///
+/// As [`load`].
+pub fn load_bytes(
+    bytes: Vec<u8>,
+    path: impl AsRef<Path>,
+    options: &LoadOptions,
+) -> Result<Loaded, LoadError> {
+    let path = path.as_ref();
+    let Parsed { raw, mut report } = parse(bytes, path)?;
+    let (mesh, normals) = raw.into_mesh(options).map_err(|source| LoadError::Mesh {
+        path: path.into(),
+        source,
+    })?;
+    report.normals = normals;
+    report.warn();
+    Ok(Loaded { mesh, report })
+}
+
+fn parse(bytes: Vec<u8>, path: &Path) -> Result<Parsed, LoadError> {
+    let mut bytes = input::unpack(bytes, path)?;
+    if text::is_utf16(&bytes) {
+        bytes = text::decode(bytes).into_bytes();
+    }
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    let named_stl = name.ends_with(".stl") || name.ends_with(".stl.gz");
+    let format = format::detect(&bytes, named_stl).map_err(|what| LoadError::Format {
+        path: path.into(),
+        what: what.into(),
+    })?;
+    let parsed = match format {
+        Format::Obj => obj::read(&text::decode(bytes), path),
+        Format::Ply => ply::read(bytes),
+        Format::StlText => stl::read_text(&text::decode(bytes)),
+        Format::StlBinary => stl::read_binary(&bytes),
+        Format::Off => off::read(&text::decode(bytes)),
+        Format::Gltf | Format::Glb => gltf::read(&bytes, path),
+    };
+    parsed.map_err(|fault| fault.of(path))
+}
+
+impl LoadReport {
+    /// Puts sentences for what has been counted before those of the reader.
+    fn warn(&mut self) {
+        let mut sentences = Vec::new();
+        if self.skipped_elements > 0 {
+            sentences.push(format!(
+                "{} lines, points, curves or faces of fewer than three corners are no surface and \
+                 were skipped",
+                self.skipped_elements
+            ));
         }
-        _ if bytes.contains(&0) && !obj_text::is_utf16(bytes) => {
-            Some("this is a binary file of an unknown format")
+        if self.normals.unusable > 0 {
+            sentences.push(format!(
+                "{} triangle corners have a normal that is zero or not finite; theirs were made",
+                self.normals.unusable
+            ));
         }
-        _ => None,
+        if self.normals.faceted > 0 {
+            sentences.push(format!(
+                "{} triangle corners have flat normals on what looks like a curved wall; theirs were \
+                 made smooth",
+                self.normals.faceted
+            ));
+        }
+        self.warnings.splice(0..0, sentences);
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     fn error_of(bytes: &[u8]) -> String {
@@ -137,22 +212,45 @@ mod tests {
     }
 
     #[test]
-    fn other_formats_are_refused_by_content_whatever_the_name() {
-        let not_read =
-            |what: &str| format!(": this is {what}, which is not read yet; OBJ files are read");
-        assert_eq!(error_of(b"ply\nformat ascii 1.0\n"), not_read("a PLY file"));
-        assert_eq!(error_of(b"solid x\nendsolid x\n"), not_read("an STL file"));
-        assert_eq!(error_of(b"OFF\n0 0 0\n"), not_read("an OFF file"));
-        assert_eq!(error_of(b"glTF\x02\0\0\0"), not_read("a GLB file"));
-        assert_eq!(error_of(b"\x1f\x8b\x08"), not_read("a gzip file"));
-        assert_eq!(
-            error_of(b" {\"asset\": 1}"),
-            ": this looks like a glTF file, which is not read yet; OBJ files are read"
-        );
+    fn what_is_no_mesh_is_refused_by_content_whatever_the_name() {
         assert_eq!(
             error_of(b"v 0 0 0\0"),
-            ": this is a binary file of an unknown format; OBJ files are read"
+            ": this is a binary file of an unknown format; OBJ, PLY, STL, OFF, glTF and GLB files \
+             are read"
         );
+    }
+
+    #[test]
+    fn every_format_is_read_by_content_plain_and_packed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mesh.obj");
+        let corners = "0 0 0\n1 0 0\n0 1 0\n";
+        let mut stl = vec![0; 84];
+        stl[80] = 1;
+        let numbers = [0., 0., 1., 0., 0., 0., 1., 0., 0., 0., 1., 0.];
+        stl.extend(numbers.iter().flat_map(|x: &f32| x.to_le_bytes()));
+        stl.extend([0, 0]);
+        let ply_head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+                        property float z\nelement face 1\nproperty list uchar int vertex_indices\n\
+                        end_header\n";
+        let files: [Vec<u8>; 5] = [
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".into(),
+            format!("{ply_head}{corners}3 0 1 2\n").into(),
+            format!("OFF 3 1 0\n{corners}3 0 1 2\n").into(),
+            stl,
+            "solid x\nfacet\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendfacet\nendsolid\n".into(),
+        ];
+        for file in files {
+            let mut packed = flate2::read::GzEncoder::new(&*file, flate2::Compression::fast());
+            let mut gz = Vec::new();
+            std::io::Read::read_to_end(&mut packed, &mut gz).unwrap();
+            for bytes in [&file, &gz] {
+                std::fs::write(&path, bytes).unwrap();
+                let mesh = load(&path, &LoadOptions::default()).unwrap().mesh;
+                assert_eq!(mesh.triangle_positions(0), [Vec3::ZERO, Vec3::X, Vec3::Y]);
+                assert_eq!(mesh.triangles().len(), 1);
+            }
+        }
     }
 
     #[test]
@@ -167,6 +265,7 @@ mod tests {
         let hard = |crease_angle_degrees| {
             let options = LoadOptions {
                 crease_angle_degrees,
+                ..LoadOptions::default()
             };
             Topology::new(&load(&path, &options).unwrap().mesh)
                 .counts()

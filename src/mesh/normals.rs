@@ -6,6 +6,8 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::LoadOptions;
+use super::facets::Walls;
 use super::fan::Fan;
 use super::raw::NO_NORMAL;
 use super::weld::Groups;
@@ -21,13 +23,31 @@ const UNIT_TOLERANCE: f64 = 1e-3;
 /// so that a malicious file cannot make the search quadratic.
 const NEAR_SEARCH: usize = 64;
 
+/// Which of the normals that a file has are used.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub enum NormalsPolicy {
+    /// All that are usable; missing ones are made.
+    Stored,
+    /// None: all are made.
+    Smooth,
+    /// Those that say more than the triangles do. Where a curved wall is stored with each
+    /// triangle's own flat normal, they are made. A smooth region (what hangs together across sides
+    /// that bend by no more than the crease angle) counts as stored flat if that is so on both
+    /// hands of nine in ten of its sides at which the stored normals tell anything.
+    #[default]
+    Auto,
+}
+
 /// Where a mesh's normals come from, counted by triangle corners.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct NormalsReport {
     /// Corners whose stored normal is used.
     pub stored: u64,
-    /// Corners whose normal was made, because it is missing or unusable.
+    /// Corners whose normal was made, because it is missing, unusable or not wanted.
     pub made: u64,
+    /// Corners whose normal was made because the stored ones are flat on a curved wall
+    /// ([`NormalsPolicy::Auto`]).
+    pub faceted: u64,
     /// Corners whose stored normal is zero or not finite.
     pub unusable: u64,
     /// Corners whose stored normal was not of unit length, by more than 0.001.
@@ -41,6 +61,7 @@ impl NormalsReport {
         NormalsReport {
             stored: self.stored + other.stored,
             made: self.made + other.made,
+            faceted: self.faceted + other.faceted,
             unusable: self.unusable + other.unusable,
             renormalised: self.renormalised + other.renormalised,
             against_face: self.against_face + other.against_face,
@@ -67,14 +88,30 @@ pub(crate) fn assign(
     places: &[Vec3],
     corners: &[[u32; 3]],
     stored: Stored<'_>,
-    crease_angle_degrees: f32,
+    options: &LoadOptions,
 ) -> Vertices {
+    let cos_crease = cos_crease(options.crease_angle_degrees);
+    let stored = stored.filter(|_| options.normals != NormalsPolicy::Smooth);
+    let faceted = match stored {
+        Some((normals, normal_corners)) if options.normals == NormalsPolicy::Auto => {
+            let walls = Walls {
+                places,
+                corners,
+                normals,
+                normal_corners,
+                cos_crease,
+            };
+            walls.recognise()
+        }
+        _ => None,
+    };
     let at_place = Groups::new(corners.as_flattened().iter().copied(), places.len());
     let maker = Assigner {
         places,
         corners,
         stored,
-        cos_crease: cos_crease(crease_angle_degrees),
+        faceted: faceted.as_deref(),
+        cos_crease,
         at_place: &at_place,
     };
     const PLACES_A_TASK: usize = 8192;
@@ -114,6 +151,8 @@ struct Assigner<'a> {
     places: &'a [Vec3],
     corners: &'a [[u32; 3]],
     stored: Stored<'a>,
+    /// Triangles whose stored normals are flat on a curved wall.
+    faceted: Option<&'a [bool]>,
     cos_crease: f64,
     at_place: &'a Groups,
 }
@@ -139,8 +178,12 @@ impl Assigner<'_> {
         report: &mut NormalsReport,
     ) {
         let corners = self.at_place.of(place);
+        let is_faceted = |c: u32| self.faceted.is_some_and(|f| f[c as usize / 3]);
         normals.clear();
-        normals.extend(corners.iter().map(|&c| self.stored_normal(c, report)));
+        normals.extend(corners.iter().map(|&c| {
+            let stored = self.stored_normal(c, report);
+            if is_faceted(c) { DVec3::ZERO } else { stored }
+        }));
         let made = normals.iter().filter(|n| **n == DVec3::ZERO).count() as u64;
         report.stored += normals.len() as u64 - made;
         report.made += made;
@@ -150,6 +193,15 @@ impl Assigner<'_> {
         fan.gather(self.places, self.corners, corners);
         fan.join(self.cos_crease);
         fan.replace_zeros(normals);
+        for (&c, normal) in corners.iter().zip(normals) {
+            if is_faceted(c) {
+                report.faceted += 1;
+                // The stored ones say where the front is, even against the winding.
+                if normal.dot(self.stored_normal(c, &mut NormalsReport::default())) < 0.0 {
+                    *normal = -*normal;
+                }
+            }
+        }
     }
 
     /// The stored normal of a corner made unit length, or zero where there is no usable one.

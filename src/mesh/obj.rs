@@ -10,52 +10,21 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::obj_clean::{Cleaner, Fault};
-use super::obj_text::decode;
-use super::polygon::PolygonCutter;
-use super::{LoadError, LoadOptions, LoadReport, Loaded, NO_NORMAL, RawMesh};
+use super::error::Fault;
+use super::faces::cut;
+use super::obj_clean::Cleaner;
+use super::{LoadReport, NO_NORMAL, Parsed, RawMesh};
 
-/// Reads an OBJ file's bytes; `path` is for messages and for material libraries beside it.
-pub(super) fn read(
-    bytes: Vec<u8>,
-    path: &Path,
-    options: &LoadOptions,
-) -> Result<Loaded, LoadError> {
-    let (raw, mut report) = parse(bytes, path)?;
-    let (mesh, normals) = raw.into_mesh(options).map_err(|source| LoadError::Mesh {
-        path: path.into(),
-        source,
-    })?;
-    report.normals = normals;
-    if normals.unusable > 0 {
-        report.warnings.push(format!(
-            "{} triangle corners have a normal that is zero or not finite; theirs were made",
-            normals.unusable
-        ));
-    }
-    Ok(Loaded { mesh, report })
-}
-
-fn parse(bytes: Vec<u8>, path: &Path) -> Result<(RawMesh, LoadReport), LoadError> {
-    let text = decode(bytes);
-    let mut cleaner = Cleaner::new(&text);
+/// Reads the text of an OBJ file; `path` is for material libraries beside it.
+pub(super) fn read(text: &str, path: &Path) -> Result<Parsed, Fault> {
+    let mut cleaner = Cleaner::new(text);
     let loaded = tobj::load_obj_buf(&mut cleaner, &tobj::LoadOptions::default(), |_| {
         unreachable!("no material library reaches tobj")
     });
-    let (models, _) = loaded.map_err(|error| match cleaner.fault.take() {
-        Some(Fault::Mesh(source)) => LoadError::Mesh {
-            path: path.into(),
-            source,
-        },
-        fault => LoadError::Line {
-            path: path.into(),
-            line: cleaner.line_number,
-            // What tobj finds wrong has been let through by mistake, but it still has its line.
-            what: match fault {
-                Some(Fault::Line(what)) => what,
-                _ => error.to_string(),
-            },
-        },
+    let (models, _) = loaded.map_err(|error| {
+        let fault = cleaner.fault.take();
+        // What tobj finds wrong has been let through by mistake, but it still has its line.
+        fault.unwrap_or_else(|| Fault::Line(cleaner.line_number, error.to_string()))
     })?;
     let mut report = LoadReport {
         polygons: cleaner.polygons,
@@ -64,17 +33,11 @@ fn parse(bytes: Vec<u8>, path: &Path) -> Result<(RawMesh, LoadReport), LoadError
     };
     warn(&mut report, &cleaner.libraries, path);
     let mesh = models.into_iter().next().map(|m| m.mesh);
-    Ok((into_raw(mesh.unwrap_or_default()), report))
+    let raw = into_raw(mesh.unwrap_or_default());
+    Ok(Parsed { raw, report })
 }
 
 fn warn(report: &mut LoadReport, libraries: &[String], path: &Path) {
-    if report.skipped_elements > 0 {
-        report.warnings.push(format!(
-            "{} lines, points, curves or faces of fewer than three corners are no surface and were \
-             skipped",
-            report.skipped_elements
-        ));
-    }
     for library in libraries {
         let beside = path.with_file_name("").join(library.replace('\\', "/"));
         if !beside.is_file() {
@@ -114,26 +77,6 @@ fn into_raw(mesh: tobj::Mesh) -> RawMesh {
 
 fn as_vectors(flat: &[f64]) -> Vec<DVec3> {
     flat.as_chunks::<3>().0.iter().map(|&p| p.into()).collect()
-}
-
-/// The triangles of faces of the given numbers of corners, as numbers into the corners of all
-/// faces; `None` where all faces are triangles.
-fn cut(arities: &[u32], corners: &[u32], positions: &[DVec3]) -> Option<Vec<[u32; 3]>> {
-    if arities.is_empty() {
-        return None;
-    }
-    let mut cutter = PolygonCutter::new();
-    let mut outline = Vec::new();
-    let mut triangles = Vec::new();
-    let mut first = 0;
-    for &arity in arities {
-        let face = &corners[first as usize..(first + arity) as usize];
-        outline.clear();
-        outline.extend(face.iter().map(|&v| positions[v as usize]));
-        triangles.extend(cutter.cut(&outline).iter().map(|t| t.map(|k| first + k)));
-        first += arity;
-    }
-    Some(triangles)
 }
 
 #[cfg(test)]

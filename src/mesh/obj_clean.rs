@@ -4,20 +4,13 @@ use std::fmt::Write;
 use std::io::{BufRead, Read};
 
 use super::MeshError;
-use super::error::MAX_INDICES;
+use super::error::{Fault, MAX_INDICES};
 use super::obj_text::{Line, Lines};
+use super::text::is_written_nan;
 
 /// The normal of corners that have none: it stands behind the file's own normals, none of which
 /// reaches tobj as NaN.
 const NO_NORMAL_LINE: &str = "vn NaN NaN NaN\n";
-
-/// What is wrong with the file.
-pub(super) enum Fault {
-    /// The line with the cleaner's present number is wrong.
-    Line(String),
-    /// The whole is wrong.
-    Mesh(MeshError),
-}
 
 /// How many vertices or normals there are.
 #[derive(Clone, Copy, Default)]
@@ -120,7 +113,7 @@ impl<'a> Cleaner<'a> {
         self.so_far.vertices += 1;
         let count = line.words().count();
         if count < 3 {
-            return Err(Fault::Line(format!(
+            return Err(self.wrong(format!(
                 "vertex {number} has {count} coordinates instead of 3"
             )));
         }
@@ -128,9 +121,9 @@ impl<'a> Cleaner<'a> {
         for word in line.words().take(if count == 4 { 4 } else { 3 }) {
             let value: f64 = word
                 .parse()
-                .map_err(|_| Fault::Line(format!("vertex {number}: {word:?} is not a number")))?;
+                .map_err(|_| self.wrong(format!("vertex {number}: {word:?} is not a number")))?;
             if !value.is_finite() {
-                return Err(Fault::Line(format!(
+                return Err(self.wrong(format!(
                     "vertex {number} is not finite: {}",
                     line.rest.trim()
                 )));
@@ -148,7 +141,7 @@ impl<'a> Cleaner<'a> {
         self.so_far.normals += 1;
         let count = line.words().count();
         if count < 3 {
-            return Err(Fault::Line(format!(
+            return Err(self.wrong(format!(
                 "normal {number} has {count} coordinates instead of 3"
             )));
         }
@@ -159,7 +152,7 @@ impl<'a> Cleaner<'a> {
                 Err(_) if is_written_nan(word) => usable = false,
                 Err(_) => {
                     let what = format!("normal {number}: {word:?} is not a number");
-                    return Err(Fault::Line(what));
+                    return Err(self.wrong(what));
                 }
             }
         }
@@ -233,15 +226,14 @@ impl<'a> Cleaner<'a> {
         }
     }
 
-    fn face_fault(&self, word: &str, what: &str) -> Fault {
-        Fault::Line(format!("face {}: corner {word:?} {what}", self.polygons))
+    /// The present line is wrong.
+    fn wrong(&self, what: String) -> Fault {
+        Fault::Line(self.line_number, what)
     }
-}
 
-/// Not-a-number and infinity as C libraries write them.
-fn is_written_nan(word: &str) -> bool {
-    let word = word.trim_start_matches(['+', '-']).to_ascii_lowercase();
-    word.starts_with("nan") || word.starts_with("inf") || word.starts_with("1.#")
+    fn face_fault(&self, word: &str, what: &str) -> Fault {
+        self.wrong(format!("face {}: corner {word:?} {what}", self.polygons))
+    }
 }
 
 impl BufRead for Cleaner<'_> {

@@ -2,10 +2,10 @@ use glam::Vec3;
 use proptest::prelude::*;
 
 use super::*;
-use crate::mesh::{Mesh, NO_TRIANGLE, Topology};
+use crate::mesh::{LoadError, LoadOptions, Loaded, Mesh, NO_TRIANGLE, Topology, load_bytes};
 
 fn read_text(text: &str) -> Result<Loaded, LoadError> {
-    read(
+    load_bytes(
         text.as_bytes().to_vec(),
         Path::new("models/test.obj"),
         &LoadOptions::default(),
@@ -79,7 +79,7 @@ fn continuations_comments_colours_and_texture_lines_are_no_obstacle() {
                 vt 0.5\nvt x y\nf 1/1 \\\r\n2/1 \\\r\n3/1\n";
     let latin1: Vec<u8> = text.chars().map(|c| c as u8).collect();
     let path = Path::new("x.obj");
-    let loaded = read(latin1, path, &LoadOptions::default()).unwrap();
+    let loaded = load_bytes(latin1, path, &LoadOptions::default()).unwrap();
     assert_eq!(corners(&loaded), [[A, B, C]]);
 }
 
@@ -88,7 +88,7 @@ fn utf16_reads_like_utf8() {
     let text = square("f 1 2 3 4\n");
     let big_endian = text.encode_utf16().flat_map(u16::to_be_bytes);
     let bytes = [0xfe, 0xff].into_iter().chain(big_endian).collect();
-    let loaded = read(bytes, Path::new("x.obj"), &LoadOptions::default()).unwrap();
+    let loaded = load_bytes(bytes, Path::new("x.obj"), &LoadOptions::default()).unwrap();
     assert_eq!(loaded.mesh, read_text(&text).unwrap().mesh);
 }
 
@@ -329,7 +329,7 @@ proptest! {
 
     #[test]
     fn no_bytes_make_the_reader_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
-        let _ = read(bytes, Path::new("x.obj"), &LoadOptions::default());
+        let _ = load_bytes(bytes, Path::new("x.obj"), &LoadOptions::default());
     }
 
     #[test]

@@ -1,30 +1,4 @@
-//! The text of an OBJ file: decoded, cut into logical lines.
-
-/// Whether the bytes start with UTF-16's byte order mark.
-pub(super) fn is_utf16(bytes: &[u8]) -> bool {
-    bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff")
-}
-
-/// The file's text: UTF-16 where it starts with its byte order mark, else UTF-8, and where that
-/// fails Latin-1, which always succeeds.
-pub(super) fn decode(mut bytes: Vec<u8>) -> String {
-    if is_utf16(&bytes) {
-        let unit = match bytes[0] {
-            0xff => u16::from_le_bytes,
-            _ => u16::from_be_bytes,
-        };
-        let (pairs, _) = bytes[2..].as_chunks::<2>();
-        let units = pairs.iter().map(|&pair| unit(pair));
-        return char::decode_utf16(units)
-            .map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER))
-            .collect();
-    }
-    if bytes.starts_with(b"\xef\xbb\xbf") {
-        bytes.drain(..3);
-    }
-    String::from_utf8(bytes)
-        .unwrap_or_else(|error| error.into_bytes().iter().map(|&b| char::from(b)).collect())
-}
+//! The logical lines of an OBJ file.
 
 /// A line of the file, with the lines it continues on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -201,19 +175,5 @@ mod tests {
             lines("v 1\rv 2"),
             [(1, "v", vec!["1"]), (2, "v", vec!["2"])]
         );
-    }
-
-    #[test]
-    fn utf16_latin1_and_marked_utf8_decode() {
-        let text = "v 1 # ü";
-        let le: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
-        let be: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
-        assert_eq!(decode([b"\xff\xfe".to_vec(), le].concat()), text);
-        assert_eq!(decode([b"\xfe\xff".to_vec(), be].concat()), text);
-        assert_eq!(
-            decode([b"\xef\xbb\xbf".to_vec(), text.into()].concat()),
-            text
-        );
-        assert_eq!(decode(b"v 1 # \xfc".to_vec()), text);
     }
 }

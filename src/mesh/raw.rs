@@ -53,7 +53,7 @@ impl RawMesh {
             .for_each(|t| *t = t.map(|v| place_of[v as usize]));
         drop(place_of);
         let stored = self.normal_corners.as_deref().map(|c| (&*self.normals, c));
-        let vertices = normals::assign(&places, &corners, stored, options.crease_angle_degrees);
+        let vertices = normals::assign(&places, &corners, stored, options);
         let mesh = Mesh {
             origin,
             positions: vertices.positions,

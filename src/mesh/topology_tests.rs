@@ -11,6 +11,7 @@ fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]], crease: f32) -> Mesh {
     };
     let options = LoadOptions {
         crease_angle_degrees: crease,
+        ..LoadOptions::default()
     };
     raw.into_mesh(&options).unwrap().0
 }

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::raw::RawMesh;
-use super::{LoadOptions, MeshError};
+use super::{LoadOptions, MeshError, NormalsPolicy};
 
 /// A triangle mesh with unit vertex normals and one index for both.
 ///
@@ -80,7 +80,7 @@ impl Mesh {
     /// length but zero), and triangles of vertex indices.
     ///
     /// Normals that are missing (`None`, or zero or NaN at single vertices) are made with
-    /// [`LoadOptions::default`]'s crease angle. Use [`RawMesh::into_mesh`] for a choice of it, and
+    /// [`LoadOptions::default`]'s crease angle; all others are used. Use [`RawMesh::into_mesh`] for a choice of it, and
     /// for normals with indices of their own.
     ///
     /// # Errors
@@ -108,7 +108,12 @@ impl Mesh {
             normals: normals.unwrap_or_default(),
             normal_corners,
         };
-        Ok(raw.into_mesh(&LoadOptions::default())?.0)
+        let options = LoadOptions {
+            // Who has the normals at hand means them.
+            normals: NormalsPolicy::Stored,
+            ..LoadOptions::default()
+        };
+        Ok(raw.into_mesh(&options)?.0)
     }
 
     /// What positions are relative to, in the user's space.
