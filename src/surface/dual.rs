@@ -18,8 +18,8 @@ impl<V: Real, const N: usize> Dual<V, N> {
     /// The `index`-th independent variable.
     #[inline(always)]
     pub fn variable(value: V, index: usize) -> Self {
-        let mut parts = [V::constant(0.0); N];
-        parts[index] = V::constant(1.0);
+        let mut parts = [value.constant(0.0); N];
+        parts[index] = value.constant(1.0);
         Self { value, parts }
     }
 
@@ -62,7 +62,7 @@ impl<V: Real, const N: usize> Div for Dual<V, N> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let inverse = V::constant(1.0) / other.value;
+        let inverse = other.value.constant(1.0) / other.value;
         let value = self.value * inverse;
         Self::with(value, |n| {
             (self.parts[n] - value * other.parts[n]) * inverse
@@ -83,7 +83,7 @@ impl<V: Real, const N: usize> Jet<V> for Dual<V, N> {
     fn lift(value: V) -> Self {
         Self {
             value,
-            parts: [V::constant(0.0); N],
+            parts: [value.constant(0.0); N],
         }
     }
     #[inline(always)]
@@ -109,16 +109,16 @@ impl<V: Real, const N: usize> Jet<V> for Dual<V, N> {
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        let zero = V::constant(0.0);
+        let (zero, half) = (self.value.constant(0.0), self.value.constant(0.5));
         let root = Real::sqrt(self.value);
-        let slope = V::select(zero.less(root), V::constant(0.5) / root, zero);
+        let slope = V::select(zero.less(root), half / root, zero);
         Self::with(root, |n| self.parts[n] * slope)
     }
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        let zero = V::constant(0.0);
+        let (zero, one) = (self.value.constant(0.0), self.value.constant(1.0));
         let square = self.value * self.value + x.value * x.value;
-        let inverse = V::select(zero.less(square), V::constant(1.0) / square, zero);
+        let inverse = V::select(zero.less(square), one / square, zero);
         Self::with(Real::atan2(self.value, x.value), |n| {
             (x.value * self.parts[n] - self.value * x.parts[n]) * inverse
         })
@@ -147,8 +147,8 @@ pub(super) fn lesser<V: Real, T: Jet<V>>(a: T, b: T) -> T {
 #[inline(always)]
 pub(super) fn ratio_or_zero<V: Real, T: Jet<V>>(value: T, divisor: T, tiny: V) -> T {
     let usable = tiny.less(divisor.value());
-    let zero = T::lift(V::constant(0.0));
-    let one = T::lift(V::constant(1.0));
+    let zero = T::lift(tiny.constant(0.0));
+    let one = T::lift(tiny.constant(1.0));
     T::select(usable, value, zero) / T::select(usable, divisor, one)
 }
 
