@@ -4,9 +4,7 @@ use std::ops::Deref;
 
 use super::CurvedMesh;
 use super::counters::count;
-use crate::embree::{
-    Bounds, IntersectQuery, OccludedQuery, QueryRays, SurfaceHit, UserGeometry,
-};
+use crate::embree::{Bounds, IntersectQuery, OccludedQuery, QueryRays, SurfaceHit, UserGeometry};
 use crate::surface::{HitLanes, Outline, Ray, RayLanes, Real};
 
 impl UserGeometry for CurvedMesh {
@@ -55,12 +53,7 @@ fn surface_hit(hits: &HitLanes, lane: usize) -> SurfaceHit {
 }
 
 /// The lane's ray from beyond a root that was rejected.
-fn rest_of_ray(
-    outline: &Outline<'_, f32>,
-    query: &QueryRays<'_>,
-    lane: usize,
-    t: f32,
-) -> Ray<f32> {
+fn rest_of_ray(outline: &Outline<'_, f32>, query: &QueryRays<'_>, lane: usize, t: f32) -> Ray<f32> {
     let ray = kernel_ray(&query.ray(lane));
     Ray {
         tnear: outline.beyond(&ray, t),
@@ -106,10 +99,7 @@ impl CurvedMesh {
             tfar: query.tfar(),
         };
         let hits = outline.intersect_packet(&rays, query.valid(), self.solver, true);
-        count(
-            query.valid().count_ones().into(),
-            hits.evaluations.into(),
-        );
+        count(query.valid().count_ones().into(), hits.evaluations.into());
         hits
     }
 

@@ -2,7 +2,7 @@
 //! the roots, then a bracketing method.
 
 use super::ita::{Root, differ};
-use super::real::{Mask, Real};
+use super::real::{Mask, Real, inlined};
 
 /// Most parts that a segment is sampled in.
 pub const MAX_PARTS: usize = 16;
@@ -132,7 +132,8 @@ impl<V: Real> Dip<V> {
         let slope = rise_right * to_left * to_left - rise_left * to_right * to_right;
         let curved = zero.less(bend.abs()) & zero.less(divisor.abs());
         let x = V::select(curved, -slope, zero) / V::select(curved, bend + bend, one);
-        let value = self.middle.1 + x * like.constant(0.5) * slope / V::select(curved, divisor, one);
+        let value =
+            self.middle.1 + x * like.constant(0.5) * slope / V::select(curved, divisor, one);
         let inside = to_left.less(x) & x.less(to_right);
         let least = self
             .left
@@ -223,10 +224,13 @@ fn chandrupatla<V: Real>(
 #[inline(always)]
 fn next_share<V: Real>(a: V, b: V, c: V, fa: V, fb: V, fc: V) -> V {
     let (zero, half, one) = (a.constant(0.0), a.constant(0.5), a.constant(1.0));
-    let divide = |value: V, by: V| {
-        let usable = zero.less(by.abs());
-        V::select(usable, value, zero) / V::select(usable, by, one)
-    };
+    let divide = inlined(
+        #[inline(always)]
+        |value: V, by: V| {
+            let usable = zero.less(by.abs());
+            V::select(usable, value, zero) / V::select(usable, by, one)
+        },
+    );
     let xi = divide(a - b, c - b);
     let phi = divide(fa - fb, fc - fb);
     let rest = one - phi;

@@ -4,7 +4,7 @@
 use super::dual::{at_least, capped, ratio_or_zero};
 use super::guide::Foot;
 use super::patch::{Patch, Rule, next};
-use super::real::{Jet, Real, Scalar};
+use super::real::{Jet, Real, Scalar, inlined, three};
 
 /// The damping factor's floor: where three sides disagree strongly it would turn negative. A side
 /// alone takes it down to 0.1 at most, so that no side's slope hangs on which of two equals wins.
@@ -66,7 +66,10 @@ impl<S: Scalar> Patch<S> {
         let like = height;
         let (b_j, b_k) = (foot.b[j], foot.b[k]);
         let vertex = &self.vertices[i];
-        let length2 = |side: usize| like.splat(self.sides[side].length2);
+        let length2 = inlined(
+            #[inline(always)]
+            |side: usize| like.splat(self.sides[side].length2),
+        );
         let distance2 = (b_j * b_j).times(length2(i))
             + (b_k * b_k).times(length2(k))
             + (b_j * b_k).times(like.splat(vertex.between + vertex.between));
@@ -108,7 +111,8 @@ impl<S: Scalar> Patch<S> {
         let (at_j, at_k) = (to_j.bend[0] / to_j.length2, to_k.bend[1] / to_k.length2);
         let c = share.times(like.splat(at_j - at_k)).plus(like.splat(at_k));
         let times_distance2 = c * distance2;
-        let tangential = b[j].times(like.splat(to_j.bend[0])) + b[k].times(like.splat(to_k.bend[1]));
+        let tangential =
+            b[j].times(like.splat(to_j.bend[0])) + b[k].times(like.splat(to_k.bend[1]));
         Curvature {
             times_distance2,
             offset: times_distance2 - tangential,
@@ -145,7 +149,10 @@ impl<S: Scalar> Patch<S> {
     #[inline(always)]
     fn damping_factor<V: Real<Scalar = S>, T: Jet<V>>(&self, b: [T; 3]) -> T {
         let like = b[0].value();
-        let damping = |k: usize| (b[k] * b[next(k)]).times(like.splat(self.sides[k].damping));
+        let damping = inlined(
+            #[inline(always)]
+            |k: usize| (b[k] * b[next(k)]).times(like.splat(self.sides[k].damping)),
+        );
         let factor = (-(damping(0) + damping(1) + damping(2))).plus(like.constant(1.0));
         at_least(factor, like.constant(MIN_DAMPING_FACTOR))
     }
@@ -155,12 +162,18 @@ impl<S: Scalar> Patch<S> {
     fn correction<V: Real<Scalar = S>, T: Jet<V>>(&self, b: [T; 3]) -> T {
         let like = b[0].value();
         let (zero, one) = (like.constant(0.0), like.constant(1.0));
-        let weights = [0, 1, 2].map(|k| b[k] * b[next(k)]);
+        let weights = three(
+            #[inline(always)]
+            |k| b[k] * b[next(k)],
+        );
         let mut sum = T::lift(zero);
         for (k, side) in self.sides.iter().enumerate() {
             let along = b[next(k)] + b[next(next(k))].times(like.splat(side.foot));
             let along = capped(at_least(along, zero), one);
-            let [c0, c1, c2] = side.correction.map(|c| like.splat(c));
+            let [c0, c1, c2] = three(
+                #[inline(always)]
+                |n| like.splat(side.correction[n]),
+            );
             let slope = (along * along.times(c2).plus(c1)).plus(c0);
             sum = sum + weights[k] * slope;
         }

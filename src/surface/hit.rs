@@ -4,7 +4,7 @@ use super::finish::{self, MAX_PARTS};
 use super::ita::{self, Root};
 use super::patch::{Patch, PatchKind, Rule, next};
 use super::ray::{Ray, Segment};
-use super::real::{Mask, Real, Scalar};
+use super::real::{Mask, Real, Scalar, inlined};
 use super::vector::Vector;
 
 /// A hit's barycentric coordinates may lie this far outside: neighbours overlap a little.
@@ -157,6 +157,15 @@ impl<S: Scalar> Patch<S> {
         t + (step / way).greater(t.abs() * S::EPSILON * S::from_f64(2.0))
     }
 
+    /// F of equation (44), whose roots are the hits: the ray's height over the triangle's plane less
+    /// the surface's over the foot of the guide there, in units of the patch's size. `at` is the
+    /// segment's parameter, the ray's less that of the segment's start.
+    #[inline(always)]
+    pub fn clearance<V: Real<Scalar = S>>(&self, segment: &Segment<V>, at: V) -> V {
+        let z = segment.z(at);
+        z - self.height(&self.foot_under(segment.projection(at), z))
+    }
+
     #[inline(always)]
     fn first_root<V: Real<Scalar = S>>(
         &self,
@@ -164,23 +173,24 @@ impl<S: Scalar> Patch<S> {
         solver: Solver,
         evaluations: &mut u32,
     ) -> Root<V> {
-        // F of equation (44): the ray's height over the plane, less the surface's over its foot.
-        let f = |at: V, lanes: V::Mask| {
-            *evaluations += lanes.count();
-            at.apart(
-                #[inline(always)]
-                || {
-                    let z = segment.z(at);
-                    z - self.height(&self.foot_under(segment.projection(at), z))
-                },
-            )
-        };
+        let f = inlined(
+            #[inline(always)]
+            |at: V, lanes: V::Mask| {
+                *evaluations += lanes.count();
+                at.apart(
+                    #[inline(always)]
+                    || self.clearance(segment, at),
+                )
+            },
+        );
         match solver {
             Solver::Ita { bits, step } => {
                 ita::first_root(f, segment.length, segment.alive, bits, step)
             }
             Solver::Finish { parts } => {
-                let noise = segment.length.splat(S::EPSILON * S::from_f64(NOISE_EPSILONS));
+                let noise = segment
+                    .length
+                    .splat(S::EPSILON * S::from_f64(NOISE_EPSILONS));
                 let close = [segment.tolerance(), noise];
                 let parts = (parts as usize).clamp(2, MAX_PARTS);
                 finish::first_root(f, segment.length, close, segment.alive, parts)
@@ -213,7 +223,7 @@ impl<S: Scalar> Patch<S> {
             v = V::select(further, on_side[2], v);
             furthest = V::select(further, distance, furthest);
         }
-        let [to_second, to_third] = self.spokes.map(|spoke| Vector::splat(like, spoke));
+        let [to_second, to_third] = Vector::splat_both(like, self.spokes);
         let moved = (to_second * (b[1] - u) + to_third * (b[2] - v)).length();
         ([u, v], moved)
     }

@@ -7,6 +7,7 @@ use super::hit::Solver;
 use super::lanes::{LaneMask, Lanes};
 use super::patch::Outline;
 use super::ray::Ray;
+use super::real::inlined;
 use super::vector::{Vector, vector};
 
 /// Most rays of a packet.
@@ -129,20 +130,26 @@ fn trace<S: Simd>(
         store(hit.u, &mut hits.u, first);
         store(hit.v, &mut hits.v, first);
         if asked.normals {
-            let normal = patch.normal_at(hit.u, hit.v).to_array();
-            for (lanes, to) in normal.into_iter().zip(&mut hits.normal) {
-                store(lanes, to, first);
-            }
+            let normal = patch.normal_at(hit.u, hit.v);
+            store(normal.x, &mut hits.normal[0], first);
+            store(normal.y, &mut hits.normal[1], first);
+            store(normal.z, &mut hits.normal[2], first);
         }
     }
 }
 
 #[inline(always)]
 fn load_ray<S: Simd>(simd: S, rays: &RayLanes<'_>, first: usize) -> Ray<Lanes<S>> {
-    let load_vector = |of: [&[f32]; 3]| -> Vector<Lanes<S>> {
-        let [x, y, z] = of.map(|component| load(simd, component, first));
-        vector(x, y, z)
-    };
+    let load_vector = inlined(
+        #[inline(always)]
+        |[x, y, z]: [&[f32]; 3]| -> Vector<Lanes<S>> {
+            vector(
+                load(simd, x, first),
+                load(simd, y, first),
+                load(simd, z, first),
+            )
+        },
+    );
     Ray {
         origin: load_vector(rays.origin),
         direction: load_vector(rays.direction),

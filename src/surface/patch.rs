@@ -281,12 +281,7 @@ impl<S: Scalar> Patch<S> {
     }
 
     /// Sets what the surface itself follows from.
-    fn lay_surface(
-        &mut self,
-        edges: [Vector<S>; 3],
-        normals: [Vector<S>; 3],
-        flags: PatchFlags,
-    ) {
+    fn lay_surface(&mut self, edges: [Vector<S>; 3], normals: [Vector<S>; 3], flags: PatchFlags) {
         for k in 0..3 {
             self.bend_side(k, edges[k], normals, flags);
         }
@@ -416,13 +411,7 @@ impl<S: Scalar> Patch<S> {
     }
 
     /// Sets how the guides turn and how the surface bends along a side.
-    fn bend_side(
-        &mut self,
-        k: usize,
-        edge: Vector<S>,
-        normals: [Vector<S>; 3],
-        flags: PatchFlags,
-    ) {
+    fn bend_side(&mut self, k: usize, edge: Vector<S>, normals: [Vector<S>; 3], flags: PatchFlags) {
         let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
         let (first, second) = (normals[k], normals[next(k)]);
         let (length, foot) = (self.sides[k].length2.sqrt(), self.sides[k].foot);

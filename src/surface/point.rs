@@ -3,7 +3,7 @@
 use super::dual::Dual;
 use super::guide::Foot;
 use super::patch::{Patch, Rule, next};
-use super::real::{Real, Scalar};
+use super::real::{Real, Scalar, inlined};
 use super::vector::{Vector, vector};
 
 /// How far from a vertex derivatives are taken at the least, in barycentric coordinates.
@@ -33,7 +33,7 @@ impl<S: Scalar> Patch<S> {
     pub fn point<V: Real<Scalar = S>>(&self, u: V, v: V) -> SurfacePoint<V> {
         let foot = self.foot_at::<V, V>([u.constant(1.0) - u - v, u, v]);
         let h = self.height(&foot);
-        let [to_second, to_third] = self.spokes.map(|spoke| Vector::splat(u, spoke));
+        let [to_second, to_third] = Vector::splat_both(u, self.spokes);
         let local = to_second * u + to_third * v + self.guide(&foot) * h;
         let [tangent_u, tangent_v] = self.tangents(u, v);
         let across = tangent_u.cross(tangent_v);
@@ -76,7 +76,12 @@ impl<S: Scalar> Patch<S> {
         let (foot, h) = self.raised(off_vertex(u, v));
         let out = foot.lean * h;
         let (normal, inward) = (Vector::splat(u, self.normal), self.inward(&foot));
-        [0, 1].map(|n| Vector::splat(u, self.spokes[n]) + normal * h.parts[n] + inward * out.parts[n])
+        let spokes = Vector::splat_both(u, self.spokes);
+        let tangent = inlined(
+            #[inline(always)]
+            |n: usize| spokes[n] + normal * h.parts[n] + inward * out.parts[n],
+        );
+        [tangent(0), tangent(1)]
     }
 
     /// The foot and the height over it, with their derivatives by u and v.
@@ -96,10 +101,13 @@ impl<S: Scalar> Patch<S> {
     /// The inward perpendicular of the foot's side.
     #[inline(always)]
     fn inward<V: Real<Scalar = S>, T>(&self, foot: &Foot<V, T>) -> Vector<V> {
-        let of = |component: fn(Vector<S>) -> S| {
-            foot.choice
-                .constant(|k| component(self.gradients[next(next(k))]) * self.sides[k].height)
-        };
+        let of = inlined(
+            #[inline(always)]
+            |component: fn(Vector<S>) -> S| {
+                foot.choice
+                    .constant(|k| component(self.gradients[next(next(k))]) * self.sides[k].height)
+            },
+        );
         vector(of(|g| g.x), of(|g| g.y), of(|g| g.z))
     }
 }

@@ -2,7 +2,7 @@
 //! root is the hit.
 
 use super::patch::{Patch, Rule, next};
-use super::real::{Mask, Real, Scalar};
+use super::real::{Mask, Real, Scalar, inlined, three};
 use super::vector::Vector;
 
 /// A ray in the space of the patch's positions.
@@ -136,13 +136,16 @@ impl<V: Real> Segment<V> {
             Vector::splat(like, patch.along_base),
         );
         let foot = like.splat(patch.sides[i].foot);
-        let coordinates = |b_m: V, x: V, sum: V| {
-            let mut b = [zero; 3];
-            b[m] = b_m;
-            b[j] = x - foot * b_m;
-            b[i] = sum - b[j] - b_m;
-            b
-        };
+        let coordinates = inlined(
+            #[inline(always)]
+            |b_m: V, x: V, sum: V| {
+                let mut b = [zero; 3];
+                b[m] = b_m;
+                b[j] = x - foot * b_m;
+                b[i] = sum - b[j] - b_m;
+                b
+            },
+        );
         Self {
             start,
             length: end,
@@ -165,15 +168,18 @@ impl<V: Real> Segment<V> {
         let (mut lo, mut hi) = (self.start, self.length);
         let like = distance;
         let mut alive = valid;
-        let mut keep = |value: V, rate: V| {
-            // Where value + rate t >= 0.
-            let zero = rate.constant(0.0);
-            let crossing = -(value / rate);
-            lo = V::select(zero.less(rate), crossing, lo).greater(lo);
-            hi = V::select(rate.less(zero), crossing, hi).lesser(hi);
-            let moves = zero.less(rate) | rate.less(zero);
-            alive = alive & (moves | zero.at_most(value));
-        };
+        let mut keep = inlined(
+            #[inline(always)]
+            |value: V, rate: V| {
+                // Where value + rate t >= 0.
+                let zero = rate.constant(0.0);
+                let crossing = -(value / rate);
+                lo = V::select(zero.less(rate), crossing, lo).greater(lo);
+                hi = V::select(rate.less(zero), crossing, hi).lesser(hi);
+                let moves = zero.less(rate) | rate.less(zero);
+                alive = alive & (moves | zero.at_most(value));
+            },
+        );
         for (k, side) in patch.sides.iter().enumerate() {
             let m = next(next(k));
             let tilt = like.splat(side.tilt);
@@ -186,7 +192,7 @@ impl<V: Real> Segment<V> {
         // A flat triangle's slab has no thickness: there the crossing of its plane decides.
         if patch.rule != Rule::Flat {
             let room = like.splat(S::EPSILON * S::from_f64(RAY_EPSILONS)) * distance;
-            let [zmin, zmax] = patch.slab.map(|z| like.splat(z));
+            let [zmin, zmax] = [like.splat(patch.slab[0]), like.splat(patch.slab[1])];
             keep(self.z - zmin + room, self.z_rate);
             keep(zmax - self.z + room, -self.z_rate);
         }
@@ -229,7 +235,10 @@ impl<V: Real> Segment<V> {
     /// Barycentric coordinates of the vertical projection at the segment's parameter.
     #[inline(always)]
     pub(super) fn projection(&self, at: V) -> [V; 3] {
-        [0, 1, 2].map(|i| self.b[i] + self.b_rate[i] * at)
+        three(
+            #[inline(always)]
+            |i| self.b[i] + self.b_rate[i] * at,
+        )
     }
 
     /// Where the ray crosses the triangle's plane, in the segment's parameter.

@@ -8,6 +8,22 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
+/// Three values, of a function of 0, 1 and 2.
+///
+/// In place of `map`: code for SIMD lanes is only good where all of it is inlined, and the standard
+/// library's own loops need not be.
+#[inline(always)]
+pub(super) fn three<T>(of: impl Fn(usize) -> T) -> [T; 3] {
+    [of(0), of(1), of(2)]
+}
+
+/// The closure itself: the language takes the mark that a closure is to be inlined, which those on
+/// lanes need, only where it is an argument.
+#[inline(always)]
+pub(super) fn inlined<F>(closure: F) -> F {
+    closure
+}
+
 /// The answer of a comparison, one truth value a lane.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// Whether any lane holds.
@@ -212,8 +228,11 @@ pub(super) fn atan2<V: Real>(y: V, x: V) -> V {
     let ratio = near / V::select(zero.less(far), far, one);
     let square = ratio * ratio;
     let [first, rest @ ..] = ARC_TANGENT;
-    let sum = |sum: V, c: f64| sum * square + x.constant(c);
-    let angle = ratio * rest.into_iter().fold(x.constant(first), sum);
+    let mut sum = x.constant(first);
+    for c in rest {
+        sum = sum * square + x.constant(c);
+    }
+    let angle = ratio * sum;
     let angle = V::select(ahead.less(aside), x.constant(FRAC_PI_2) - angle, angle);
     let angle = V::select(x.less(zero), x.constant(PI) - angle, angle);
     V::select(y.less(zero), -angle, angle)
