@@ -18,6 +18,8 @@ mod guide;
 mod height;
 mod hit;
 mod ita;
+mod lanes;
+mod packet;
 mod patch;
 mod point;
 mod ray;
@@ -25,14 +27,17 @@ mod real;
 mod vector;
 
 #[cfg(test)]
+mod packet_tests;
+#[cfg(test)]
 mod tests;
 
 pub use dual::Dual;
 pub use finish::MAX_PARTS;
 pub use flags::{PatchFlags, Surface};
 pub use hit::{Hit, Solver};
-pub use patch::{FlatReason, Patch, PatchKind, PatchRecord};
+pub use packet::{HitLanes, RayLanes};
+pub use patch::{FlatReason, Outline, Patch, PatchKind, PatchRecord};
 pub use point::SurfacePoint;
-pub use ray::Ray;
+pub use ray::{Ray, Segment};
 pub use real::{Jet, Mask, Real, Scalar};
 pub use vector::{Vector, vector};
