@@ -12,6 +12,8 @@ const MAX_OUTSIDE: f64 = 9e-5;
 
 /// Most roots of one ray on one patch that are looked at for the first true one.
 const MAX_ROOTS: u32 = 4;
+/// Height of the slab, in units of the patch's size, from which on a ray is sampled twice as densely.
+const HIGH_SLAB: f64 = 0.4;
 /// How far beyond a root the search for the next one begins, in units of the patch's size.
 const BEYOND: f64 = 1e-5;
 /// How far from zero F may be by rounding alone: as near as a root need be found.
@@ -192,6 +194,10 @@ impl<S: Scalar> Patch<S> {
                     .length
                     .splat(S::EPSILON * S::from_f64(NOISE_EPSILONS));
                 let close = [segment.tolerance(), noise];
+                // Where the slab is high a ray may stay in it long before it meets the surface, and
+                // graze it between samples.
+                let high = S::from_f64(HIGH_SLAB) < self.slab[1] - self.slab[0];
+                let parts = if high { 2 * parts } else { parts };
                 let parts = (parts as usize).clamp(2, MAX_PARTS);
                 finish::first_root(f, segment.length, close, segment.alive, parts)
             }

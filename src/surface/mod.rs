@@ -9,6 +9,13 @@
 //! Everything is written once over [`Scalar`], [`Real`] and [`Jet`]: `f64` is the oracle for
 //! `f32`, and tangents come from the same source by [`Dual`] numbers.
 
+// Sides and vertices are named by their index, in formulas that are cyclic in it.
+#![allow(clippy::needless_range_loop)]
+// `!(a < b)` where a NaN has to fail the test.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+// The product rule.
+#![allow(clippy::suspicious_arithmetic_impl)]
+
 mod bounds;
 mod correction;
 mod dual;
