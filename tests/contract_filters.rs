@@ -21,7 +21,7 @@ fn back(candidate: &Candidate) -> bool {
 
 /// Accepts every third triangle.
 fn third(candidate: &Candidate) -> bool {
-    candidate.hit.prim_id % 3 == 0
+    candidate.hit.prim_id.is_multiple_of(3)
 }
 
 /// Accepts a stripe of every triangle.

@@ -269,7 +269,13 @@ impl IntersectQuery<'_> {
         let field = |field: usize| {
             // SAFETY: the hits of an intersect query lie behind the twelve fields of its rays, and
             // have `width` lanes, of which `lane` is one.
-            unsafe { *self.rays.rays.cast::<u32>().add((12 + field) * width + lane) }
+            unsafe {
+                *self
+                    .rays
+                    .rays
+                    .cast::<u32>()
+                    .add((12 + field) * width + lane)
+            }
         };
         let (prim_id, geom_id) = (field(5), field(6));
         if geom_id == INVALID_ID {
