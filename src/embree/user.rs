@@ -10,7 +10,7 @@ use super::packet::{read_valid, write_valid};
 use super::query::{Query, callback};
 use super::ray::{Ray, SurfaceHit};
 use super::record::{Call, Record};
-use super::sys;
+use super::sys::{self, INVALID_ID, LEVELS};
 
 /// A surface made of numbered primitives that Rust code bounds and intersects.
 ///
@@ -229,9 +229,15 @@ impl IntersectQuery<'_> {
     /// valid, t is outside of the ray, or the geometry's or the query's filter rejects it, and the next
     /// hit along the ray should be offered then. An accepted hit shortens the ray to it.
     ///
+    /// Of hits at the same t the one with the lesser numbers (of the instance, then of the geometry,
+    /// then of the primitive) counts, in whichever order Embree comes by them.
+    ///
     /// # Panics
     /// If there is no such lane.
     pub fn report(&mut self, lane: usize, hit: SurfaceHit) -> bool {
+        if hit.t == self.tfar()[lane] && self.comes_after_its_hit(lane) {
+            return false;
+        }
         let (args, filtered) = (self.args, self.filtered);
         // SAFETY: Embree's arguments live as long as `self`.
         let call = unsafe {
@@ -254,6 +260,31 @@ impl IntersectQuery<'_> {
         unsafe { record.write(self.rays.rays.add(12 * width), width, lane) };
         self.accepted |= 1 << lane;
         true
+    }
+
+    /// Whether the lane has a hit already, of a primitive with lesser numbers than this one.
+    fn comes_after_its_hit(&self, lane: usize) -> bool {
+        let width = self.width;
+        assert!(lane < width);
+        let field = |field: usize| {
+            // SAFETY: the hits of an intersect query lie behind the twelve fields of its rays, and
+            // have `width` lanes, of which `lane` is one.
+            unsafe {
+                *self
+                    .rays
+                    .rays
+                    .cast::<u32>()
+                    .add((12 + field) * width + lane)
+            }
+        };
+        let (prim_id, geom_id) = (field(5), field(6));
+        if geom_id == INVALID_ID {
+            return false;
+        }
+        // SAFETY: Embree passes a context to every callback, also where the query has none.
+        let inst_id = unsafe { (*(*self.args).context).instID };
+        let old_inst_id: [u32; LEVELS] = std::array::from_fn(|level| field(7 + level));
+        (old_inst_id, geom_id, prim_id) < (inst_id, self.geom_id, self.prim_id)
     }
 }
 
