@@ -15,7 +15,8 @@ scenes=(scenes/*.obj)
 for mesh in "${scenes[@]}"; do
     name=$(basename "$mesh" .obj)
     for surface in flat smooth; do
-        "$program" render "$mesh" -o "$out/$name-$surface.png" --surface "$surface" --ground
+        "$program" render "$mesh" -o "$out/$name-$surface.png" --surface "$surface" \
+            --up-axis z --ground
     done
 done
 echo "The pictures are in $out/:"

@@ -12,15 +12,11 @@ use program::{Workshop, stderr, stdout};
 fn a_mesh_becomes_a_picture_with_background_and_body() {
     let shop = Workshop::new();
     let mesh = shop.sphere("ball.obj");
-    shop.succeeds(&[
-        "render",
-        &mesh,
-        "-o",
-        &shop.path("ball.png"),
-        "--size",
-        "90x60",
-    ]);
-    let image = image::open(shop.path("ball.png")).unwrap().into_rgb8();
+    let picture = shop.path("ball.png");
+    let view = ["--size", "90x60", "--eye", "0,0,5", "--target", "0,0,0"];
+    let args = ["render", &mesh, "-o", &picture, "--sun-direction", "0,0,1"];
+    shop.succeeds(&[&args[..], &view].concat());
+    let image = image::open(&picture).unwrap().into_rgb8();
     assert_eq!(image.dimensions(), (90, 60));
     let [corner, middle] = [(0, 0), (45, 30)].map(|(x, y)| image.get_pixel(x, y).0);
     assert!(
@@ -28,7 +24,7 @@ fn a_mesh_becomes_a_picture_with_background_and_body() {
         "the background is blue above: {corner:?}"
     );
     assert!(
-        middle[0] > 100 && middle[0] > middle[2],
+        middle[0] > 200 && middle[0] > middle[2],
         "the sun is warm: {middle:?}"
     );
     assert_eq!(shop.names(), ["ball.obj", "ball.png"]);

@@ -12,7 +12,13 @@ use rand::{Rng, SeedableRng};
 
 /// Every surface, and the default one by the paper's root finder.
 fn forms() -> Vec<Form> {
-    let curved = |surface, solver| Form::Curved(CurvedOptions { surface, solver });
+    let curved = |surface, solver| {
+        Form::Curved(CurvedOptions {
+            surface,
+            solver,
+            ..CurvedOptions::default()
+        })
+    };
     let mut forms = vec![Form::Flat];
     forms.extend(Surface::ALL.map(|surface| curved(surface, Solver::default())));
     forms.push(curved(Surface::Smooth, Solver::Ita { bits: 24, step: 3 }));

@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
+use super::bezier::Bezier;
 use super::model::Model;
 use super::probe::{Point, Probe};
-use crate::bodies::{Body, BodyTriangle};
+use crate::bodies::BodyTriangle;
 use crate::surface::{Patch, PatchFlags, Surface};
 
 /// One triangle of a model.
@@ -12,15 +13,15 @@ enum Facet {
     /// The plane, with the patch that has the guides over it.
     Flat(Box<Patch<f64>>, [DVec3; 3]),
     Curved(Box<Patch<f64>>),
+    Peer(Bezier),
 }
 
-/// A body's triangles, taken for a model's.
+/// Triangles, taken for a model's.
 pub(super) struct Facets(Vec<Facet>);
 
 impl Facets {
-    pub fn new(body: &Body, model: Model) -> Self {
-        let facet = |t: &BodyTriangle| Facet::new(t, model);
-        Self(body.triangles().iter().map(facet).collect())
+    pub fn new(triangles: &[BodyTriangle], model: Model) -> Self {
+        Self(triangles.iter().map(|t| Facet::new(t, model)).collect())
     }
 }
 
@@ -35,6 +36,7 @@ impl Facet {
         match model {
             Model::Flat => Facet::Flat(patch(Surface::Tensor), triangle.positions),
             Model::Curved(surface) => Facet::Curved(patch(surface)),
+            Model::Peer(peer) => Facet::Peer(Bezier::new(peer, triangle)),
         }
     }
 
@@ -42,22 +44,27 @@ impl Facet {
         match self {
             Facet::Flat(patch, _) => patch.plane_normal().into(),
             Facet::Curved(patch) => patch.normal_at(u, v).into(),
+            Facet::Peer(bezier) => {
+                let [_, by_u, by_v] = bezier.at([u, v]);
+                by_u.cross(by_v)
+            }
         }
     }
 }
 
 impl Probe for Facets {
     fn at(&self, triangle: usize, at: [f64; 2]) -> Option<Point> {
-        let [u, v] = at;
         let facet = &self.0[triangle];
+        let guide = |patch: &Patch<f64>| Some(patch.guide_at(at[0], at[1]).into());
         let (position, line) = match facet {
-            Facet::Flat(patch, corners) => (on_plane(*corners, at), patch.guide_at(u, v)),
-            Facet::Curved(patch) => (patch.point(u, v).position.into(), patch.guide_at(u, v)),
+            Facet::Flat(patch, corners) => (on_plane(*corners, at), guide(patch)),
+            Facet::Curved(patch) => (patch.point(at[0], at[1]).position.into(), guide(patch)),
+            Facet::Peer(bezier) => (bezier.at(at)[0], None),
         };
         Some(Point {
             position,
             normal: facet.normal(at),
-            line: line.into(),
+            line,
         })
     }
 

@@ -5,33 +5,40 @@
 //! the body's largest diameter. Beside it stand the angle of the surface's own geometric normal to
 //! the true one, and its jump across sides.
 //!
-//! Surfaces are measured *unchecked* ([`PatchFlags::with_unchecked`]): curved as the method has
-//! them, also where [`Patch`](crate::surface::Patch)'s own test of validity would keep a triangle
-//! flat. The paper's torus of 6 by 8 pieces is so coarse that half of its triangles fail that test;
-//! the paper's figures for it are those of the curved form. [`Row::flat_by_default`] counts such
-//! triangles, so that nobody takes the figures for what the renderer shows there.
+//! Surfaces are measured *unchecked* ([`CurvedOptions::unchecked`]): curved as the method has them,
+//! also where our own test of validity would keep a triangle flat. The paper's torus of 6 by 8
+//! pieces is so coarse that half of its triangles fail that test; the paper's figures for it are
+//! those of the curved form. [`Row::flat_by_default`] counts such triangles, so that nobody takes
+//! the figures for what the renderer shows there.
+//!
+//! Beside ours stand other methods' curved triangles ([`Model::PEERS`]). They have no guides: their
+//! error is the distance to the nearest point of the true surface, which is a little smaller. Where
+//! the cuts get finer, [`order`] and [`triangles_needed`] tell how fast a model closes in on the truth.
 //!
 //! [`measure`] computes in `f64` from the vertices; [`measure_traced`] shoots rays along the guides
 //! through Embree and the `f32` kernel.
-//!
-//! [`PatchFlags::with_unchecked`]: crate::surface::PatchFlags::with_unchecked
 
+mod bezier;
 mod facet;
 mod model;
+mod needed;
 mod probe;
 mod sampling;
 mod sides;
 mod traced;
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::bodies::Body;
+use crate::curved::{CurvedMesh, CurvedOptions};
 use crate::embree::{Device, Error};
-use crate::surface::{Patch, PatchFlags, PatchKind};
 use facet::Facets;
 use probe::{Probe, Tally};
 
-pub use model::Model;
+pub use model::{Model, Peer};
+pub use needed::{Measure, Needed, order, triangles_needed};
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,13 +52,13 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            samples: 200_000,
+            samples: 100_000,
             seed: 1,
         }
     }
 }
 
-/// Points of a triangle, and of a side, at the least.
+/// Points of a triangle at the least; a side has half as many.
 pub const LEAST_SAMPLES: usize = 8;
 
 /// What was measured of one body by one model.
@@ -63,16 +70,17 @@ pub struct Row {
     pub triangles: usize,
     /// What the triangles were taken for.
     pub model: Model,
-    /// Greatest error over the body's largest diameter.
+    /// Greatest error over the body's largest diameter, sides included.
     pub max: f64,
-    /// Mean error over the body's largest diameter; points are uniform over the area.
+    /// Mean error over the body's largest diameter, of as many points on each triangle, uniform over
+    /// its area.
     pub mean: f64,
     /// Mean angle of the geometric normal to the true one, degrees.
     pub normal_deg: f64,
     /// Mean jump of the geometric normal across the sides where two triangles share both vertex
-    /// normals, degrees; `None` where there is no such side.
+    /// normals, degrees, of as many points on each side; `None` where there is no such side.
     pub jump_deg: Option<f64>,
-    /// Triangles that [`Patch::new`] keeps flat unless it is told otherwise.
+    /// Triangles that a [`CurvedMesh`] keeps flat unless it is told otherwise.
     pub flat_by_default: usize,
     /// Points that were measured.
     pub points: usize,
@@ -91,7 +99,7 @@ pub fn bodies() -> Vec<Body> {
 /// Measures a model on a body in `f64`.
 #[must_use]
 pub fn measure(body: &Body, model: Model, options: &Options) -> Row {
-    let facets = Facets::new(body, model);
+    let facets = Facets::new(body.triangles(), model);
     row(body, model, &facets, options)
 }
 
@@ -102,6 +110,9 @@ pub fn measure(body: &Body, model: Model, options: &Options) -> Row {
 ///
 /// # Errors
 /// What Embree reports, such as too little memory.
+///
+/// # Panics
+/// If the model is one of the peers: rays are traced against our own surfaces only.
 pub fn measure_traced(
     device: &Device,
     body: &Body,
@@ -128,9 +139,9 @@ fn row(body: &Body, model: Model, probe: &impl Probe, options: &Options) -> Row 
         max: total.max / body.diameter(),
         mean: total.mean_error() / body.diameter(),
         normal_deg: total.mean_angle().to_degrees(),
-        jump_deg: sides::mean_jump(body, probe, samples, options.seed).map(f64::to_degrees),
+        jump_deg: sides::mean_jump(body, probe, samples / 2, options.seed).map(f64::to_degrees),
         flat_by_default: flat_by_default(body, model),
-        points: total.points,
+        points: total.measured,
         missed: total.missed,
     }
 }
@@ -139,10 +150,11 @@ fn flat_by_default(body: &Body, model: Model) -> usize {
     let Model::Curved(surface) = model else {
         return 0;
     };
-    let is_flat = |t: &&crate::bodies::BodyTriangle| {
-        let (positions, normals) = (t.positions.map(Into::into), t.normals.map(Into::into));
-        let kind = Patch::<f64>::new(positions, normals, PatchFlags::new(surface)).kind();
-        matches!(kind, PatchKind::Flat(_) | PatchKind::Degenerate)
+    let options = CurvedOptions {
+        surface,
+        ..CurvedOptions::default()
     };
-    body.triangles().iter().filter(is_flat).count()
+    CurvedMesh::new(Arc::new(body.mesh()), &options)
+        .kinds()
+        .flat()
 }

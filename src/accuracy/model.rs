@@ -9,6 +9,19 @@ pub enum Model {
     Flat,
     /// One of our surfaces.
     Curved(Surface),
+    /// Another method's curved triangle.
+    Peer(Peer),
+}
+
+/// Other methods' curved triangles of the same input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Peer {
+    /// Curved PN triangles (Vlachos and others, 2001): a cubic.
+    Pn,
+    /// Phong tessellation (Boubekeur and Alexa, 2008): a quadratic; shape factor 3/4.
+    Phong,
+    /// Nagata's patch (2005): a quadratic.
+    Nagata,
 }
 
 impl Model {
@@ -20,12 +33,22 @@ impl Model {
         Model::Curved(Surface::Smooth),
     ];
 
+    /// The other methods' triangles.
+    pub const PEERS: [Model; 3] = [
+        Model::Peer(Peer::Pn),
+        Model::Peer(Peer::Phong),
+        Model::Peer(Peer::Nagata),
+    ];
+
     /// The name it has in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Model::Flat => "flat",
             Model::Curved(surface) => surface.name(),
+            Model::Peer(Peer::Pn) => "pn",
+            Model::Peer(Peer::Phong) => "phong",
+            Model::Peer(Peer::Nagata) => "nagata",
         }
     }
 }

@@ -11,8 +11,9 @@ pub(super) struct Point {
     pub position: DVec3,
     /// The surface's geometric normal; any length but zero.
     pub normal: DVec3,
-    /// Along which the distance to the true surface is taken; any length but zero.
-    pub line: DVec3,
+    /// Along which the distance to the true surface is taken, of any length but zero; without it the
+    /// distance is that to the nearest point.
+    pub line: Option<DVec3>,
 }
 
 /// What tells where the surface of a body's triangle is.
@@ -27,11 +28,12 @@ pub(super) trait Probe: Sync {
 /// Sums over points.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tally {
-    pub points: usize,
+    pub measured: usize,
     pub missed: usize,
     /// Greatest distance to the true surface.
     pub max: f64,
-    area: f64,
+    /// Points inside triangles, which the means are over.
+    inside: usize,
     error: f64,
     angle: f64,
 }
@@ -39,10 +41,10 @@ pub(super) struct Tally {
 impl Tally {
     pub fn add(self, other: Self) -> Self {
         Self {
-            points: self.points + other.points,
+            measured: self.measured + other.measured,
             missed: self.missed + other.missed,
             max: self.max.max(other.max),
-            area: self.area + other.area,
+            inside: self.inside + other.inside,
             error: self.error + other.error,
             angle: self.angle + other.angle,
         }
@@ -50,16 +52,30 @@ impl Tally {
 
     /// NaN if nothing was measured.
     pub fn mean_error(&self) -> f64 {
-        self.error / self.area
+        self.error / self.inside as f64
     }
 
     /// Radians; NaN if nothing was measured.
     pub fn mean_angle(&self) -> f64 {
-        self.angle / self.area
+        self.angle / self.inside as f64
+    }
+
+    /// Counts a point for the maximum; its error and angle if it could be measured.
+    fn meet(&mut self, body: &Body, point: Option<Point>) -> Option<[f64; 2]> {
+        let deviation = point.and_then(|point| deviation(body, &point));
+        match deviation {
+            Some([error, _]) => {
+                self.measured += 1;
+                self.max = self.max.max(error);
+            }
+            None => self.missed += 1,
+        }
+        deviation
     }
 }
 
-/// Measures one triangle at this many points.
+/// Measures one triangle at this many points, uniform over its area, and for the maximum also along
+/// its sides, where the greatest error often is.
 pub(super) fn measure_triangle(
     body: &Body,
     probe: &impl Probe,
@@ -67,29 +83,26 @@ pub(super) fn measure_triangle(
     samples: usize,
     seed: u64,
 ) -> Tally {
-    let [a, b, c] = body.triangles()[triangle].positions;
-    // Each point stands for as much of the body's area.
-    let share = (b - a).cross(c - a).length() / samples as f64;
     let mut tally = Tally::default();
     for at in sampling::points(samples, seed, triangle) {
-        match probe.at(triangle, at).and_then(|p| deviation(body, &p)) {
-            Some([error, angle]) => {
-                tally.points += 1;
-                tally.max = tally.max.max(error);
-                tally.area += share;
-                tally.error += error * share;
-                tally.angle += angle * share;
-            }
-            None => tally.missed += 1,
+        if let Some([error, angle]) = tally.meet(body, probe.at(triangle, at)) {
+            tally.inside += 1;
+            tally.error += error;
+            tally.angle += angle;
         }
+    }
+    for at in sampling::around(samples) {
+        tally.meet(body, probe.at(triangle, at));
     }
     tally
 }
 
-/// Distance to the true surface along the point's line, and angle to the true normal.
+/// Distance to the true surface, and angle to the true normal.
 fn deviation(body: &Body, point: &Point) -> Option<[f64; 2]> {
-    let t = body.true_parameter(point.position, point.line)?;
-    let distance = (t * point.line).length();
+    let distance = match point.line {
+        Some(line) => (body.true_parameter(point.position, line)? * line).length(),
+        None => body.signed_distance(point.position).abs(),
+    };
     let angle = angle(point.normal, body.normal(point.position));
     (distance.is_finite() && angle.is_finite()).then_some([distance, angle])
 }

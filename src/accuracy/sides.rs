@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::probe::{Probe, angle};
-use super::sampling;
+use super::sampling::{self, on_side};
 use crate::bodies::Body;
 use crate::mesh::{Mesh, SideKind, Topology};
 
@@ -14,44 +14,32 @@ struct Shared {
 }
 
 /// Mean angle, in radians, between the normals of two neighbours at the same point of the side they
-/// share, over points uniform along all sides whose normals agree. `None` if no side was measured.
+/// share, over as many points on each side whose normals agree. `None` if no side was measured.
 pub(super) fn mean_jump(body: &Body, probe: &impl Probe, samples: usize, seed: u64) -> Option<f64> {
-    let mesh = body.mesh();
-    let jumps: Vec<[f64; 2]> = shared_sides(&mesh)
+    let jumps: Vec<(usize, f64)> = shared_sides(&body.mesh())
         .into_par_iter()
-        .map(|side| jump(body, probe, &side, samples, seed))
+        .map(|side| jumps(probe, &side, samples, seed))
         .collect();
-    let [length, sum] = jumps
-        .into_iter()
-        .fold([0.0; 2], |sum, side| [sum[0] + side[0], sum[1] + side[1]]);
-    (length > 0.0).then(|| sum / length)
+    let count: usize = jumps.iter().map(|side| side.0).sum();
+    let sum: f64 = jumps.iter().map(|side| side.1).sum();
+    (count > 0).then(|| sum / count as f64)
 }
 
-/// The length that was measured, and the jump's integral over it.
-fn jump(body: &Body, probe: &impl Probe, side: &Shared, samples: usize, seed: u64) -> [f64; 2] {
+/// How many points of a side were measured, and the sum of the jumps there.
+fn jumps(probe: &impl Probe, side: &Shared, samples: usize, seed: u64) -> (usize, f64) {
     let [t, other] = side.triangles;
-    let corners = body.triangles()[t].positions;
-    let k = side.sides[0];
-    let share = corners[k].distance(corners[(k + 1) % 3]) / samples as f64;
-    let mut sums = [0.0; 2];
+    let [k, across] = side.sides;
+    let (mut count, mut sum) = (0, 0.0);
     for along in sampling::places(samples, seed, 3 * t + k) {
         // Neighbours run along their side in opposite directions.
         let here = probe.normal_on_side(t, on_side(k, along));
-        let there = probe.normal_on_side(other, on_side(side.sides[1], 1.0 - along));
+        let there = probe.normal_on_side(other, on_side(across, 1.0 - along));
         if let (Some(here), Some(there)) = (here, there) {
-            sums = [sums[0] + share, sums[1] + share * angle(here, there)];
+            count += 1;
+            sum += angle(here, there);
         }
     }
-    sums
-}
-
-/// Barycentric coordinates (u, v) of a place on side `k`, from its first end at 0.
-fn on_side(k: usize, along: f64) -> [f64; 2] {
-    match k {
-        0 => [along, 0.0],
-        1 => [1.0 - along, along],
-        _ => [0.0, 1.0 - along],
-    }
+    (count, sum)
 }
 
 /// Every side whose two triangles have the same normals there, once.

@@ -7,13 +7,15 @@ use glam::DVec3;
 use super::facet::on_plane;
 use super::model::Model;
 use super::probe::{Point, Probe};
+use super::sampling;
 use crate::bodies::Body;
 use crate::curved::{CurvedMesh, CurvedOptions};
 use crate::embree::{
     Candidate, Device, Error, Geometry, Hit, QueryOptions, Ray, RayPacket, Scene, SceneBuilder,
     flush_denormals,
 };
-use crate::surface::Surface;
+use crate::mesh::Mesh;
+use crate::surface::{Patch, Surface};
 
 /// How far above the highest point of its surface a ray starts, in units of the triangle's size.
 const CLEARANCE: f64 = 0.1;
@@ -24,9 +26,9 @@ const INSIDE: f64 = 1e-3;
 /// A body under an Embree tree.
 pub(super) struct TracedBody {
     scene: Scene,
-    /// The patches that the guides are taken from, and that are traced unless the triangles
-    /// themselves are.
-    curved: Arc<CurvedMesh>,
+    mesh: Arc<Mesh>,
+    /// What the guides are taken from.
+    patches: Vec<Patch<f64>>,
     flat: bool,
 }
 
@@ -36,6 +38,7 @@ impl TracedBody {
         let surface = match model {
             Model::Flat => Surface::Tensor,
             Model::Curved(surface) => surface,
+            Model::Peer(_) => panic!("rays are traced against our own surfaces only"),
         };
         let mesh = Arc::new(body.mesh());
         let options = CurvedOptions {
@@ -49,20 +52,21 @@ impl TracedBody {
         } else {
             Geometry::user(device, curved.clone())?
         };
+        let patches = (0..mesh.triangles().len() as u32).map(|t| curved.oracle(t));
         let mut builder = SceneBuilder::new(device)?.robust(true).query_filters(true);
         builder.attach(&geometry.commit()?);
         Ok(Self {
             scene: builder.commit()?,
-            curved,
+            patches: patches.collect(),
+            mesh,
             flat,
         })
     }
 
     /// The ray down the guide over (u, v), starting close above the surface.
     fn ray(&self, triangle: usize, at: [f64; 2]) -> Ray {
-        let patch = self.curved.oracle(triangle as u32);
-        let mesh = self.curved.mesh();
-        let corners = mesh.triangle_positions(triangle).map(|p| p.as_dvec3());
+        let patch = &self.patches[triangle];
+        let corners = self.mesh.triangle_positions(triangle).map(|p| p.as_dvec3());
         let guide: DVec3 = patch.guide_at(at[0], at[1]).into();
         let top = if self.flat { 0.0 } else { patch.heights()[1] };
         let start = on_plane(corners, at) + guide * (top + CLEARANCE * patch.size());
@@ -85,13 +89,13 @@ impl Probe for TracedBody {
         Some(Point {
             position: origin + f64::from(hit.t) * line,
             normal: hit.ng.as_dvec3(),
-            line,
+            line: Some(line),
         })
     }
 
     fn normal_on_side(&self, triangle: usize, at: [f64; 2]) -> Option<DVec3> {
         let at = if self.flat {
-            at.map(|b| b + INSIDE * (1.0 / 3.0 - b))
+            sampling::inset(at, INSIDE)
         } else {
             at
         };

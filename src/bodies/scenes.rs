@@ -15,7 +15,7 @@ pub fn scenes() -> Vec<(&'static str, Mesh)> {
         ("torus_fine.obj", Body::torus(12, 16).mesh()),
         ("capped_cylinder.obj", capped_cylinder(16, 1.5)),
         ("capped_cone.obj", capped_cone(16, 1.25)),
-        ("teapot.obj", teapot(4)),
+        ("teapot.obj", teapot(6)),
     ]
 }
 

@@ -1,15 +1,17 @@
 //! `curvetri accuracy`: the paper's Table 1 again.
 
-use std::fmt::Write;
-
 use anyhow::{Context, Result};
 use clap::Args;
-use curvetri::accuracy::{self, Model, Options, Row};
+use curvetri::accuracy::{self, Model, Needed, Options, Row};
+use curvetri::bodies::Body;
 use curvetri::embree::Device;
-use serde_json::{Value, json};
 
+use super::accuracy_report::{json, text};
 use super::console::{self, Console};
 use super::{device, on_threads, values};
+
+/// The errors for which --peers counts triangles.
+const GOALS: [f64; 2] = [1e-3, 1e-4];
 
 /// Measure the surfaces on bodies whose true surface is known
 ///
@@ -25,15 +27,20 @@ pub struct AccuracyArgs {
 
     /// Measure by rays through Embree, in single precision, instead of by the formulas in double
     /// precision
-    #[arg(long)]
+    #[arg(long, conflicts_with = "peers")]
     traced: bool,
+
+    /// Measure other methods' curved triangles as well, and tell how fast all of them get better on
+    /// finer tori and how many triangles they need for an error of 1e-3 and 1e-4
+    #[arg(long)]
+    peers: bool,
 
     /// Points a body; each triangle gets 8 at the least
     #[arg(long, value_name = "N", default_value_t = Options::default().samples,
           value_parser = values::samples)]
     samples: usize,
 
-    /// Where the points lie
+    /// Chooses where the points lie
     #[arg(long, value_name = "N", default_value_t = Options::default().seed)]
     seed: u64,
 
@@ -42,93 +49,99 @@ pub struct AccuracyArgs {
     threads: Option<usize>,
 }
 
+/// What was measured.
+pub struct Report {
+    pub rows: Vec<Row>,
+    /// Only with --peers.
+    pub peers: Option<Convergence>,
+}
+
+/// How the models get better on finer tori.
+pub struct Convergence {
+    pub orders: Vec<Orders>,
+    pub needed: Vec<Needed>,
+}
+
+/// A model's observed orders of convergence from one torus to the next finer one.
+pub struct Orders {
+    pub model: Model,
+    pub from: String,
+    pub to: String,
+    pub max: f64,
+    pub mean: f64,
+    pub normal: f64,
+}
+
 /// Runs the command.
 pub fn run(args: &AccuracyArgs, console: &Console) -> Result<()> {
+    let device = args.traced.then(|| device(args.threads)).transpose()?;
+    let report = on_threads(args.threads, || measure(args, device.as_ref(), console))?;
+    let printed = if args.json {
+        json(&report)
+    } else {
+        text(&report)
+    };
+    console::print(&printed)
+}
+
+fn measure(args: &AccuracyArgs, device: Option<&Device>, console: &Console) -> Result<Report> {
     let options = Options {
         samples: args.samples,
         seed: args.seed,
     };
-    let device = args.traced.then(|| device(args.threads)).transpose()?;
-    let rows = on_threads(args.threads, || rows(&options, device.as_ref(), console))?;
-    console::print(&if args.json { json(&rows) } else { text(&rows) })
-}
-
-fn rows(options: &Options, device: Option<&Device>, console: &Console) -> Result<Vec<Row>> {
+    let mut models = Model::OURS.to_vec();
+    if args.peers {
+        models.extend(Model::PEERS);
+    }
     let bodies = accuracy::bodies();
-    let bar = console.progress("measuring", (bodies.len() * Model::OURS.len()) as u64);
+    let bar = console.progress("measuring", ((bodies.len() + 1) * models.len()) as u64);
     let mut rows = Vec::new();
     for body in &bodies {
-        for model in Model::OURS {
-            rows.push(match device {
-                None => accuracy::measure(body, model, options),
-                Some(device) => accuracy::measure_traced(device, body, model, options)
-                    .with_context(|| format!("cannot trace the {}", body.name()))?,
-            });
+        for &model in &models {
+            rows.push(row(body, model, &options, device)?);
             bar.inc(1);
         }
     }
+    let peers = args.peers.then(|| Convergence {
+        orders: orders(&rows),
+        needed: (models.iter())
+            .inspect(|_| bar.inc(1))
+            .flat_map(|&model| accuracy::triangles_needed(model, &GOALS, args.seed))
+            .collect(),
+    });
     bar.finish_and_clear();
-    Ok(rows)
+    Ok(Report { rows, peers })
 }
 
-fn json(rows: &[Row]) -> String {
-    let rows: Vec<Value> = rows.iter().map(row_json).collect();
-    format!("{:#}\n", json!({ "rows": rows }))
+fn row(body: &Body, model: Model, options: &Options, device: Option<&Device>) -> Result<Row> {
+    match device {
+        None => Ok(accuracy::measure(body, model, options)),
+        Some(device) => accuracy::measure_traced(device, body, model, options)
+            .with_context(|| format!("cannot trace the {}", body.name())),
+    }
 }
 
-fn row_json(row: &Row) -> Value {
-    json!({
-        "body": row.body,
-        "triangles": row.triangles,
-        "surface": row.model.name(),
-        "max": row.max,
-        "mean": row.mean,
-        "normal_deg": row.normal_deg,
-        "jump_deg": row.jump_deg,
-        "flat_by_default": row.flat_by_default,
-        "points": row.points,
-        "missed": row.missed,
-    })
-}
-
-fn text(rows: &[Row]) -> String {
-    let mut text = format!(
-        "{:18} {:>9}  {:8} {:>8} {:>8} {:>8} {:>8}\n",
-        "body", "triangles", "surface", "max", "mean", "normal", "jump"
-    );
-    for (n, row) in rows.iter().enumerate() {
-        let first = n == 0 || rows[n - 1].body != row.body;
-        let (body, triangles) = if first {
-            (row.body.as_str(), row.triangles.to_string())
-        } else {
-            ("", String::new())
+/// Compares each torus with the one before it, by model.
+fn orders(rows: &[Row]) -> Vec<Orders> {
+    let mut orders = Vec::new();
+    for (n, coarse) in rows.iter().enumerate() {
+        // The next row of the model, and a torus of four times the triangles.
+        let finer = rows[n + 1..].iter().find(|row| row.model == coarse.model);
+        let Some(fine) = finer.filter(|row| is_torus(coarse) && is_torus(row)) else {
+            continue;
         };
-        let jump = row
-            .jump_deg
-            .map_or_else(|| "-".to_owned(), |jump| format!("{jump:.2e}"));
-        let _ = writeln!(
-            text,
-            "{body:18} {triangles:>9}  {:8} {:8.2e} {:8.2e} {:8.2e} {jump:>8}{}",
-            row.model.name(),
-            row.max,
-            row.mean,
-            row.normal_deg,
-            remarks(row)
-        );
+        orders.push(Orders {
+            model: coarse.model,
+            from: coarse.body.clone(),
+            to: fine.body.clone(),
+            max: accuracy::order(coarse.max, fine.max),
+            mean: accuracy::order(coarse.mean, fine.mean),
+            normal: accuracy::order(coarse.normal_deg, fine.normal_deg),
+        });
     }
-    text + "\nmax, mean: distance to the true surface over the body's diameter\n\
-            normal, jump: degrees, mean\n"
+    orders
 }
 
-/// What has to be known to read a row right.
-fn remarks(row: &Row) -> String {
-    let mut remarks = String::new();
-    if row.flat_by_default > 0 {
-        let _ = write!(remarks, "  {} flat by default", row.flat_by_default);
-    }
-    if row.missed > 0 {
-        let points = row.points + row.missed;
-        let _ = write!(remarks, "  {} of {points} points missed", row.missed);
-    }
-    remarks
+fn is_torus(row: &Row) -> bool {
+    row.body.starts_with("torus")
 }

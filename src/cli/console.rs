@@ -4,7 +4,7 @@ use std::io::{self, IsTerminal, Write};
 use std::time::Duration;
 
 use anyhow::Result;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 
 /// Messages and progress on standard error, as much of them as was asked for.
 pub struct Console {
@@ -43,6 +43,8 @@ impl Console {
         ProgressBar::with_draw_target(Some(length), target)
             .with_style(ProgressStyle::with_template(style).expect("a fixed template"))
             .with_message(what)
+            // also when an error ends the work
+            .with_finish(ProgressFinish::AndClear)
     }
 
     /// A sign of life for work of unknown length, shown on a terminal only.

@@ -1,6 +1,7 @@
-//! The command line: one file a command.
+//! The command line: one file a command, with its arguments and a `run` function.
 
 mod accuracy;
+mod accuracy_report;
 mod console;
 mod inspect;
 mod render;
@@ -177,7 +178,10 @@ fn report_panic(info: &panic::PanicHookInfo<'_>) {
     let place = info
         .location()
         .map_or_else(String::new, |at| format!(" at {at}"));
-    let what = info.payload_as_str().unwrap_or("unknown");
+    let payload = info.payload();
+    let text = payload.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
+    let what = text.unwrap_or("unknown");
     let _ = writeln!(
         io::stderr(),
         "curvetri: error: a fault in curvetri itself{place} (please report it): {what}"

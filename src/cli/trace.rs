@@ -1,11 +1,16 @@
-//! `curvetri trace`: the nearest hits of rays from a file.
+//! `curvetri trace`: the hits of rays from a file.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use curvetri::render::{Answers, OutputFile, PacketWidth, Scene, UserRay, WriteSeek, answer_rays};
+use curvetri::embree::Device;
+use curvetri::mesh::Mesh;
+use curvetri::render::{
+    AllAnswers, Answers, Form, OutputFile, PacketWidth, Scene, UserRay, UserRays, WriteSeek,
+    answer_all_hits, answer_occluded, answer_rays,
+};
 use glam::DVec3;
 use npyz::npz::NpzWriter;
 use npyz::zip::CompressionMethod;
@@ -20,7 +25,7 @@ use super::{device, on_threads, values};
 const EXPECTED: &str = "expected float32 or float64 of shape (N, 6), origin and direction, or \
                         (N, 8), with tnear and tfar after them";
 
-/// Trace rays from a file and write their nearest hits
+/// Trace rays from a file and write their hits
 ///
 /// RAYS.npy holds float32 or float64 of shape (N, 6): origin and direction, which need not be of
 /// unit length; or (N, 8), with tnear and tfar after them.
@@ -28,6 +33,13 @@ const EXPECTED: &str = "expected float32 or float64 of shape (N, 6), origin and 
 /// HITS.npz holds t (N; float32; in units of the direction's length, infinity for a miss), prim_id
 /// (N; uint32; the triangle's number in file order, 4294967295 for a miss), uv (N, 2; float32) and ng
 /// (N, 3; float32; the surface's unit normal, zeros for a miss).
+///
+/// With --all-hits K the same arrays have shapes (N, K), (N, K), (N, K, 2) and (N, K, 3): each ray's
+/// first K hits, nearest first, and misses after its last; and count (N; uint32) is the number of all
+/// its hits, which may be more than K. A hit on the shared side of two triangles counts once: hits of
+/// different triangles that face the same way, at the same t but for rounding, are one.
+///
+/// With --occluded there is one array, occluded (N; bool): whether the ray hits anything.
 #[derive(Args)]
 #[command(verbatim_doc_comment)]
 pub struct TraceArgs {
@@ -41,6 +53,14 @@ pub struct TraceArgs {
     /// The hits
     #[arg(short, long, value_name = "HITS.npz")]
     output: PathBuf,
+
+    /// Write the first K of all hits along each ray, not the nearest alone
+    #[arg(long, value_name = "K", value_parser = values::hits, conflicts_with = "occluded")]
+    all_hits: Option<usize>,
+
+    /// Write only whether each ray hits anything
+    #[arg(long)]
+    occluded: bool,
 
     /// Rays traced together
     #[arg(long, value_enum, default_value_t = PacketChoice::One)]
@@ -74,18 +94,100 @@ pub fn run(args: &TraceArgs, console: &Console) -> Result<()> {
         let rays = RayTable::read(&args.rays)?;
         let mesh = args.surface.load(&args.mesh, console)?;
         let output = OutputFile::create(&args.output)?;
-        let scene = Scene::new(&device, vec![mesh], form).context("cannot build the scene")?;
-        let count = rays.rows;
-        let bar = console.progress("tracing", count as u64);
-        let ray = |i: usize| rays.ray(i);
-        let done = |rays: usize| bar.inc(rays as u64);
-        let answers = answer_rays(&scene, count, args.packet.width(), &ray, &done);
+        let bar = console.progress("tracing", rays.rows as u64);
+        let results = args.trace(&device, mesh, form, &rays, &|done| bar.inc(done as u64))?;
         bar.finish_and_clear();
-        let hits = answers.t.iter().filter(|t| t.is_finite()).count();
-        console.note(&format!("{hits} of {count} rays hit"));
-        Ok(output.finish(|out| write(&answers, out))?)
+        console.note(&format!("{} of {} rays hit", results.hit(), rays.rows));
+        Ok(output.finish(|out| results.write(out))?)
     })
 }
+
+impl TraceArgs {
+    fn trace(
+        &self,
+        device: &Device,
+        mesh: Mesh,
+        form: Form,
+        rays: &RayTable,
+        progress: &(dyn Fn(usize) + Sync),
+    ) -> Result<Results> {
+        let scene = if let Some(most) = self.all_hits {
+            check_size(rays.rows, most)?;
+            Scene::with_filters(device, vec![mesh], form)
+        } else {
+            Scene::new(device, vec![mesh], form)
+        };
+        let scene = scene.context("cannot build the scene")?;
+        let rays = UserRays {
+            count: rays.rows,
+            ray: &|i| rays.ray(i),
+            progress,
+        };
+        let width = self.packet.width();
+        Ok(match self.all_hits {
+            _ if self.occluded => Results::Occluded(answer_occluded(&scene, &rays, width)),
+            None => Results::Nearest(answer_rays(&scene, &rays, width)),
+            Some(most) => Results::All(answer_all_hits(&scene, &rays, width, most), most),
+        })
+    }
+}
+
+/// What was found out about the rays.
+enum Results {
+    Nearest(Answers),
+    /// With the number of hits kept a ray.
+    All(AllAnswers, usize),
+    Occluded(Vec<bool>),
+}
+
+impl Results {
+    /// How many rays hit anything.
+    fn hit(&self) -> usize {
+        match self {
+            Self::Nearest(answers) => answers.t.iter().filter(|t| t.is_finite()).count(),
+            Self::All(answers, _) => answers.count.iter().filter(|count| **count > 0).count(),
+            Self::Occluded(occluded) => occluded.iter().filter(|occluded| **occluded).count(),
+        }
+    }
+
+    /// Writes the arrays as numpy's `savez` does.
+    fn write(&self, out: &mut dyn WriteSeek) -> io::Result<()> {
+        let mut npz = NpzWriter::new(out);
+        match self {
+            Self::Nearest(answers) => {
+                let shape = [answers.t.len() as u64];
+                add_hits(&mut npz, &shape, answers)?;
+            }
+            Self::All(answers, most) => {
+                let count = answers.count.len() as u64;
+                add_hits(&mut npz, &[count, *most as u64], &answers.hits)?;
+                add(&mut npz, "count", &[count], &answers.count)?;
+            }
+            Self::Occluded(occluded) => {
+                add(&mut npz, "occluded", &[occluded.len() as u64], occluded)?;
+            }
+        }
+        npz.zip_writer().finish()?;
+        Ok(())
+    }
+}
+
+/// Refuses more hits than there can be memory for.
+fn check_size(rays: usize, most: usize) -> Result<()> {
+    let bytes = rays
+        .checked_mul(most)
+        .and_then(|hits| hits.checked_mul(BYTES_A_HIT));
+    let mut room = Vec::<u8>::new();
+    if bytes.is_none_or(|bytes| room.try_reserve_exact(bytes).is_err()) {
+        bail!(
+            "{rays} rays with {most} hits each do not fit into memory: ask for fewer hits or rays"
+        );
+    }
+    Ok(())
+}
+
+/// What t, prim_id, uv and ng of a hit take.
+const BYTES_A_HIT: usize = 28;
 
 impl PacketChoice {
     fn width(self) -> PacketWidth {
@@ -192,16 +294,17 @@ fn tuple(shape: &[u64]) -> String {
     format!("({}{comma})", numbers.join(", "))
 }
 
-/// Writes the arrays as numpy's `savez` does.
-fn write(answers: &Answers, out: &mut dyn WriteSeek) -> io::Result<()> {
-    let mut npz = NpzWriter::new(out);
-    let count = answers.t.len() as u64;
-    add(&mut npz, "t", &[count], &answers.t)?;
-    add(&mut npz, "prim_id", &[count], &answers.prim_id)?;
-    add(&mut npz, "uv", &[count, 2], answers.uv.as_flattened())?;
-    add(&mut npz, "ng", &[count, 3], answers.ng.as_flattened())?;
-    npz.zip_writer().finish()?;
-    Ok(())
+/// Adds the arrays of hits, which have this shape or begin with it.
+fn add_hits(
+    npz: &mut NpzWriter<&mut dyn WriteSeek>,
+    shape: &[u64],
+    hits: &Answers,
+) -> io::Result<()> {
+    let with = |columns: u64| [shape, &[columns]].concat();
+    add(npz, "t", shape, &hits.t)?;
+    add(npz, "prim_id", shape, &hits.prim_id)?;
+    add(npz, "uv", &with(2), hits.uv.as_flattened())?;
+    add(npz, "ng", &with(3), hits.ng.as_flattened())
 }
 
 fn add<T: AutoSerialize + Copy>(

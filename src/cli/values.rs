@@ -108,6 +108,14 @@ pub fn samples(text: &str) -> Result<usize, String> {
     }
 }
 
+/// A number of hits a ray.
+pub fn hits(text: &str) -> Result<usize, String> {
+    match text.trim().parse() {
+        Ok(hits @ 1..=65_536) => Ok(hits),
+        _ => Err("1 to 65536 hits".into()),
+    }
+}
+
 /// A number of threads.
 pub fn threads(text: &str) -> Result<usize, String> {
     match text.trim().parse() {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::scene::Scene;
-use crate::embree::{QueryOptions, Ray, RayPacket, Traced, Width, flush_denormals};
+use crate::embree::{Hit, QueryOptions, Ray, RayPacket, Traced, Width, flush_denormals};
 
 /// Rays that one job takes.
 const CHUNK: usize = 1 << 12;
@@ -52,34 +52,80 @@ pub struct Answers {
     pub ng: Vec<[f32; 3]>,
 }
 
-/// Finds the nearest hit of `count` rays on the threads of the current rayon pool.
+/// All hits of many rays: see [`answer_all_hits`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AllAnswers {
+    /// The first hits of each ray, nearest first: those of the n-th ray begin at n times their number a
+    /// ray. Beyond a ray's last hit there are misses.
+    pub hits: Answers,
+    /// How many hits each ray has: all of them, also where that is more than are kept.
+    pub count: Vec<u32>,
+}
+
+/// Rays of the caller's own, given by their numbers.
 ///
-/// `ray` gives the ray of a number below `count`; it and `progress` are called from any thread, the
-/// latter with the number of rays done since its last call. A ray that Embree does not trace (see
+/// Both functions are called from any thread. A ray that Embree does not trace (see
 /// [`Ray::is_traceable`]) misses.
-pub fn answer_rays(
+pub struct UserRays<'a> {
+    /// How many there are.
+    pub count: usize,
+    /// The ray of a number below `count`.
+    pub ray: &'a (dyn Fn(usize) -> UserRay + Sync),
+    /// Told the number of rays done since its last call.
+    pub progress: &'a (dyn Fn(usize) + Sync),
+}
+
+/// Finds the nearest hit of rays on the threads of the current rayon pool.
+pub fn answer_rays(scene: &Scene, rays: &UserRays<'_>, width: PacketWidth) -> Answers {
+    let mut answers = Answers::misses(rays.count);
+    let chunks = answers.chunks(1);
+    chunks.enumerate().for_each(|(n, hits)| {
+        let chunk = Chunk::new(scene, rays, n);
+        width.run(&mut Nearest { chunk, hits });
+        chunk.done();
+    });
+    answers
+}
+
+/// Finds all hits of rays (see [`Scene::all_hits`]), and keeps the `most` nearest of each, on the
+/// threads of the current rayon pool.
+///
+/// # Panics
+/// If `most` is 0, or the scene was not made [for filters](Scene::with_filters).
+pub fn answer_all_hits(
     scene: &Scene,
-    count: usize,
+    rays: &UserRays<'_>,
     width: PacketWidth,
-    ray: &(dyn Fn(usize) -> UserRay + Sync),
-    progress: &(dyn Fn(usize) + Sync),
-) -> Answers {
-    let mut answers = Answers {
-        t: vec![f32::INFINITY; count],
-        prim_id: vec![NO_PRIMITIVE; count],
-        uv: vec![[0.0; 2]; count],
-        ng: vec![[0.0; 3]; count],
+    most: usize,
+) -> AllAnswers {
+    assert!(most > 0, "no hits are asked for");
+    let mut answers = AllAnswers {
+        hits: Answers::misses(rays.count * most),
+        count: vec![0; rays.count],
     };
-    answers.chunks().enumerate().for_each(|(n, mut chunk)| {
-        let _flush = flush_denormals();
-        let ray = |i: usize| ray(n * CHUNK + i).localized(scene.origin());
-        match width {
-            PacketWidth::One => chunk.answer::<1>(scene, &ray),
-            PacketWidth::Four => chunk.answer::<4>(scene, &ray),
-            PacketWidth::Eight => chunk.answer::<8>(scene, &ray),
-            PacketWidth::Sixteen => chunk.answer::<16>(scene, &ray),
-        }
-        progress(chunk.t.len());
+    let chunks = answers.hits.chunks(most);
+    let chunks = chunks.zip(answers.count.par_chunks_mut(CHUNK));
+    chunks.enumerate().for_each(|(n, (hits, count))| {
+        let chunk = Chunk::new(scene, rays, n);
+        width.run(&mut All {
+            chunk,
+            hits,
+            count,
+            most,
+        });
+        chunk.done();
+    });
+    answers
+}
+
+/// Finds out which rays hit anything, on the threads of the current rayon pool.
+pub fn answer_occluded(scene: &Scene, rays: &UserRays<'_>, width: PacketWidth) -> Vec<bool> {
+    let mut answers = vec![false; rays.count];
+    let chunks = answers.par_chunks_mut(CHUNK);
+    chunks.enumerate().for_each(|(n, occluded)| {
+        let chunk = Chunk::new(scene, rays, n);
+        width.run(&mut Occlusion { chunk, occluded });
+        chunk.done();
     });
     answers
 }
@@ -92,51 +138,167 @@ impl UserRay {
     }
 }
 
-/// The answers to the rays of one job.
+/// Work on packets of any width.
+trait Job {
+    fn run<const N: usize>(&mut self)
+    where
+        Width<N>: Traced;
+}
+
+impl PacketWidth {
+    fn run(self, job: &mut impl Job) {
+        let _flush = flush_denormals();
+        match self {
+            Self::One => job.run::<1>(),
+            Self::Four => job.run::<4>(),
+            Self::Eight => job.run::<8>(),
+            Self::Sixteen => job.run::<16>(),
+        }
+    }
+}
+
+/// The rays of one job.
+#[derive(Clone, Copy)]
 struct Chunk<'a> {
+    scene: &'a Scene,
+    rays: &'a UserRays<'a>,
+    first: usize,
+    count: usize,
+}
+
+impl<'a> Chunk<'a> {
+    fn new(scene: &'a Scene, rays: &'a UserRays<'a>, number: usize) -> Self {
+        let first = number * CHUNK;
+        Self {
+            scene,
+            rays,
+            first,
+            count: CHUNK.min(rays.count - first),
+        }
+    }
+
+    /// The rays in packets, each with the number in the chunk of its first.
+    fn packets<const N: usize>(self) -> impl Iterator<Item = (usize, RayPacket<N>)> {
+        let ray = move |i: usize| (self.rays.ray)(self.first + i).localized(self.scene.origin());
+        (0..self.count).step_by(N).map(move |first| {
+            let mut packet = RayPacket::<N>::new();
+            for lane in 0..N.min(self.count - first) {
+                packet.set_ray(lane, &ray(first + lane));
+            }
+            (first, packet)
+        })
+    }
+
+    fn done(self) {
+        (self.rays.progress)(self.count);
+    }
+}
+
+struct Nearest<'a> {
+    chunk: Chunk<'a>,
+    hits: HitSlots<'a>,
+}
+
+impl Job for Nearest<'_> {
+    fn run<const N: usize>(&mut self)
+    where
+        Width<N>: Traced,
+    {
+        let tree = self.chunk.scene.tree();
+        for (first, mut packet) in self.chunk.packets::<N>() {
+            tree.intersect(&mut packet, &QueryOptions::INCOHERENT);
+            for lane in 0..N {
+                if let Some(hit) = packet.hit(lane) {
+                    self.hits.put(first + lane, &hit);
+                }
+            }
+        }
+    }
+}
+
+struct All<'a> {
+    chunk: Chunk<'a>,
+    hits: HitSlots<'a>,
+    count: &'a mut [u32],
+    most: usize,
+}
+
+impl Job for All<'_> {
+    fn run<const N: usize>(&mut self)
+    where
+        Width<N>: Traced,
+    {
+        let mut found = [const { Vec::new() }; N];
+        for (first, packet) in self.chunk.packets::<N>() {
+            self.chunk.scene.all_hits(&packet, false, &mut found);
+            let counts = &mut self.count[first..];
+            for (lane, (count, hits)) in counts.iter_mut().zip(&found).enumerate() {
+                *count = hits.len() as u32;
+                for (n, hit) in hits.iter().take(self.most).enumerate() {
+                    self.hits.put((first + lane) * self.most + n, hit);
+                }
+            }
+        }
+    }
+}
+
+struct Occlusion<'a> {
+    chunk: Chunk<'a>,
+    occluded: &'a mut [bool],
+}
+
+impl Job for Occlusion<'_> {
+    fn run<const N: usize>(&mut self)
+    where
+        Width<N>: Traced,
+    {
+        let tree = self.chunk.scene.tree();
+        for (first, mut packet) in self.chunk.packets::<N>() {
+            let lanes = tree.occluded(&mut packet, &QueryOptions::INCOHERENT);
+            for (lane, occluded) in self.occluded[first..].iter_mut().take(N).enumerate() {
+                *occluded = lanes & 1 << lane != 0;
+            }
+        }
+    }
+}
+
+/// Where a job's hits go.
+struct HitSlots<'a> {
     t: &'a mut [f32],
     prim_id: &'a mut [u32],
     uv: &'a mut [[f32; 2]],
     ng: &'a mut [[f32; 3]],
 }
 
-impl Answers {
-    fn chunks(&mut self) -> impl IndexedParallelIterator<Item = Chunk<'_>> {
-        (
-            self.t.par_chunks_mut(CHUNK),
-            self.prim_id.par_chunks_mut(CHUNK),
-            self.uv.par_chunks_mut(CHUNK),
-            self.ng.par_chunks_mut(CHUNK),
-        )
-            .into_par_iter()
-            .map(|(t, prim_id, uv, ng)| Chunk { t, prim_id, uv, ng })
+impl HitSlots<'_> {
+    fn put(&mut self, slot: usize, hit: &Hit) {
+        self.t[slot] = hit.t;
+        self.prim_id[slot] = hit.prim_id;
+        self.uv[slot] = [hit.u, hit.v];
+        self.ng[slot] = hit.ng.normalize_or_zero().to_array();
     }
 }
 
-impl Chunk<'_> {
-    fn answer<const N: usize>(&mut self, scene: &Scene, ray: &dyn Fn(usize) -> Ray)
-    where
-        Width<N>: Traced,
-    {
-        let count = self.t.len();
-        for first in (0..count).step_by(N) {
-            let mut packet = RayPacket::<N>::new();
-            let lanes = N.min(count - first);
-            for lane in 0..lanes {
-                packet.set_ray(lane, &ray(first + lane));
-            }
-            scene
-                .tree()
-                .intersect(&mut packet, &QueryOptions::INCOHERENT);
-            for lane in 0..lanes {
-                if let Some(hit) = packet.hit(lane) {
-                    let i = first + lane;
-                    self.t[i] = hit.t;
-                    self.prim_id[i] = hit.prim_id;
-                    self.uv[i] = [hit.u, hit.v];
-                    self.ng[i] = hit.ng.normalize_or_zero().to_array();
-                }
-            }
+impl Answers {
+    fn misses(count: usize) -> Self {
+        Self {
+            t: vec![f32::INFINITY; count],
+            prim_id: vec![NO_PRIMITIVE; count],
+            uv: vec![[0.0; 2]; count],
+            ng: vec![[0.0; 3]; count],
         }
+    }
+
+    /// The slots of each job, `each` of them a ray.
+    fn chunks(&mut self, each: usize) -> impl IndexedParallelIterator<Item = HitSlots<'_>> {
+        let size = CHUNK * each;
+        (
+            self.t.par_chunks_mut(size),
+            self.prim_id.par_chunks_mut(size),
+            self.uv.par_chunks_mut(size),
+            self.ng.par_chunks_mut(size),
+        )
+            .into_par_iter()
+            .map(|(t, prim_id, uv, ng)| HitSlots { t, prim_id, uv, ng })
     }
 }

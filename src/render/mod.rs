@@ -5,6 +5,7 @@
 //! knows of files or of the command line, but for [`OutputFile`], which makes a file appear whole or
 //! not at all.
 
+mod all_hits;
 mod batch;
 mod camera;
 mod direct;
@@ -17,7 +18,10 @@ mod scene;
 mod stats;
 mod tiles;
 
-pub use batch::{Answers, NO_PRIMITIVE, PacketWidth, UserRay, answer_rays};
+pub use batch::{
+    AllAnswers, Answers, NO_PRIMITIVE, PacketWidth, UserRay, UserRays, answer_all_hits,
+    answer_occluded, answer_rays,
+};
 pub use camera::{Camera, CameraError, UpAxis};
 pub use film::{Background, Film};
 pub use framing::Framing;

@@ -58,6 +58,28 @@ impl Scene {
     /// # Errors
     /// If there is no mesh, or not enough memory.
     pub fn new(device: &Device, meshes: Vec<Mesh>, form: Form) -> Result<Self, SceneError> {
+        Self::build(device, meshes, form, false)
+    }
+
+    /// The same for queries that bring a [filter](embree::QueryOptions::filter), as
+    /// [`all_hits`](Self::all_hits) does; flat triangles are a little slower to trace then.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_filters(
+        device: &Device,
+        meshes: Vec<Mesh>,
+        form: Form,
+    ) -> Result<Self, SceneError> {
+        Self::build(device, meshes, form, true)
+    }
+
+    fn build(
+        device: &Device,
+        meshes: Vec<Mesh>,
+        form: Form,
+        filters: bool,
+    ) -> Result<Self, SceneError> {
         let start = Instant::now();
         let bounds = meshes.iter().map(Mesh::bounds).reduce(Bounds::union);
         let bounds = bounds.ok_or(SceneError::Empty)?;
@@ -68,7 +90,9 @@ impl Scene {
             .collect();
         let curved = Instant::now();
         // Flat triangles get the same promise as curved ones: no ray slips between them.
-        let mut builder = SceneBuilder::new(device)?.robust(true);
+        let mut builder = SceneBuilder::new(device)?
+            .robust(true)
+            .query_filters(filters);
         for shape in &shapes {
             builder.attach(&shape.geometry(device)?);
         }

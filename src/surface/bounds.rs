@@ -407,12 +407,13 @@ impl<S: Scalar> HeightNet<S> {
         let reach = |i: usize| spread.vertices[i].reach.times(spread.damping);
         let middle = |i: usize, at: usize| spread.vertices[i].middles[at].times(reach(i));
         let corner = |i: usize, at: usize| spread.vertices[i].corners[at].times(reach(i));
+        let loose = loose_reach(patch) * S::from_f64(1.0 / 9.0);
         let sides = [0, 1, 2].map(|k| {
             let (i, j) = (k, next(k));
             // b_i^2 b_j: twice from vertex i's middle, once from vertex j's corner at i.
             let near_first = middle(i, 0).plus(middle(i, 0)).plus(corner(j, 1));
             let near_second = middle(j, 1).plus(middle(j, 1)).plus(corner(i, 0));
-            [near_first.scaled(third), near_second.scaled(third)]
+            [near_first.scaled(third), near_second.scaled(third)].map(|near| near.widened(loose))
         });
         let across = middle(0, 2)
             .plus(middle(1, 2))
@@ -446,16 +447,30 @@ impl<S: Scalar> HeightNet<S> {
     }
 }
 
+/// How far loose ends let the correction reach: it is at most this times a third of
+/// `b1 b2 + b2 b3 + b3 b1`, since dividing by a loose end's share at most doubles what is left of
+/// the bubble, and `b1 b2 b3` is at most a third of that sum's square.
+fn loose_reach<S: Scalar>(patch: &Patch<S>) -> S {
+    (0..3).fold(S::from_f64(0.0), |most, k| {
+        let ends = patch.sides[k].loose.iter().filter(|&&loose| loose).count();
+        let doubled = S::from_f64(f64::from(1u32 << ends));
+        let reach = slope_range(patch, k).max_abs() * doubled;
+        if ends == 0 { most } else { most.greater(reach) }
+    })
+}
+
+/// The values a side's slope takes.
+fn slope_range<S: Scalar>(patch: &Patch<S>, k: usize) -> Range<S> {
+    let [c0, c1, c2] = patch.sides[k].correction;
+    let middle = Range::of(c0 + c1 * S::from_f64(0.5));
+    Range::of(c0).hull(middle).hull(Range::of(c0 + c1 + c2))
+}
+
 /// The values the correction's weighted slope takes.
 fn correction_range<S: Scalar>(patch: &Patch<S>) -> Range<S> {
-    let half = S::from_f64(0.5);
-    let of_side = |k: usize| {
-        let [c0, c1, c2] = patch.sides[k].correction;
-        Range::of(c0)
-            .hull(Range::of(c0 + c1 * half))
-            .hull(Range::of(c0 + c1 + c2))
-    };
-    of_side(0).hull(of_side(1)).hull(of_side(2))
+    let of_side = |k| slope_range(patch, k);
+    let strict = of_side(0).hull(of_side(1)).hull(of_side(2));
+    strict.widened(loose_reach(patch))
 }
 
 impl<S: Scalar> Patch<S> {

@@ -3,7 +3,8 @@
 //!
 //! At the share `lambda` along a side the common normal is `(1 - lambda) n_i + lambda n_j`, made
 //! perpendicular to the side's curve. The slope that brings the uncorrected surface there is
-//! sampled at three places and interpolated by a quadratic. See the method's notes in
+//! sampled at three places and interpolated by a quadratic: the slope over `lambda (1 - lambda)`
+//! where it vanishes at both ends, without the factor of an end that is loose. See the method's notes in
 //! ARCHITECTURE.md.
 
 use super::dual::Dual;
@@ -15,6 +16,8 @@ use super::vector::vector;
 
 /// Where along a side the slope is sampled.
 const SAMPLES: [f64; 3] = [0.2, 0.5, 0.8];
+/// Greatest slope the correction adds across a side.
+const MAX_TURN: f64 = 0.5;
 /// Cosine of the steepest vertex normal to the plane's: below the first a correction does more
 /// harm than good, from the second on it is taken in full.
 const STEEP: [f64; 2] = [0.3, 0.5];
@@ -27,7 +30,13 @@ pub(super) fn fit<S: Scalar>(patch: &mut Patch<S>, flags: PatchFlags) {
     let strength = strength(patch);
     for k in 0..3 {
         if !flags.is_straight(k) {
-            let slopes = SAMPLES.map(|at| slope(patch, k, S::from_f64(at)) * strength);
+            let slopes = SAMPLES.map(|at| {
+                let [first, second] = patch.sides[k].loose;
+                let at_first = if first { at } else { 1.0 };
+                let at_second = if second { 1.0 - at } else { 1.0 };
+                let kept = S::from_f64(at_first * at_second);
+                slope(patch, k, S::from_f64(at)) * strength * kept
+            });
             patch.sides[k].correction = quadratic(slopes);
         }
     }
@@ -74,7 +83,9 @@ fn slope<S: Scalar>(patch: &Patch<S>, k: usize, along: S) -> S {
     );
     let normal = normal - tangent * (normal.dot(tangent) / tangent.dot(tangent));
     let guide = vector(zero, foot.lean.value, one);
+    let most = S::from_f64(MAX_TURN);
     let delta = -(inward.dot(normal) / guide.dot(normal));
+    let delta = delta.greater(-most).lesser(most);
     delta * side.height / (along * (one - along))
 }
 

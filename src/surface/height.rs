@@ -10,6 +10,11 @@ use super::real::{Jet, Real, Scalar};
 /// alone takes it down to 0.1 at most, so that no side's slope hangs on which of two equals wins.
 pub(super) const MIN_DAMPING_FACTOR: f64 = 0.09;
 
+/// Where `b1 b2 + b2 b3 + b3 b1` is below the first, outside the triangle, there is no correction;
+/// beyond ten times that it is whole.
+const FADE_END: f64 = 1e-3;
+const FADE_RATE: f64 = 1.0 / (9.0 * FADE_END);
+
 /// What a curvature rule says at a vertex about a plane point at `d` from it.
 struct Curvature<T> {
     /// The curvature times the squared distance.
@@ -155,15 +160,41 @@ impl<S: Scalar> Patch<S> {
             let along = b[next(k)] + b[next(next(k))].times(V::splat(side.foot));
             let along = capped(at_least(along, zero), one);
             let [c0, c1, c2] = side.correction.map(V::splat);
-            let slope = (along * along.times(c2).plus(c1)).plus(c0);
+            let mut slope = (along * along.times(c2).plus(c1)).plus(c0);
+            if self.any_loose {
+                slope = slope / loosened(side.loose, along, b[k], b[next(k)]);
+            }
             sum = sum + weights[k] * slope;
         }
         let share = weights[0] + weights[1] + weights[2];
         let bubble = weights[0] * b[2];
-        // Outside a vertex the weights' sum can vanish: there is no correction there.
+        // Outside a vertex the weights' sum can vanish, so there the correction fades out.
         let least = b[0].value().lesser(b[1].value()).lesser(b[2].value());
-        let outside = share.value().less(V::constant(1e-3)) & least.less(zero);
-        let share = T::select(outside, T::lift(zero), share);
-        ratio_or_zero(bubble * sum, share, V::constant(1e-20))
+        let inside = zero.at_most(least);
+        let near = share
+            .plus(V::constant(-FADE_END))
+            .times(V::constant(FADE_RATE));
+        let fade = T::select(inside, T::lift(one), capped(at_least(near, zero), one));
+        ratio_or_zero(bubble * sum * fade, share, V::constant(1e-20))
     }
+}
+
+/// What a side's slope is divided by for its loose ends: the shares `along` and `1 - along`, held
+/// up where the triangle reaches beyond the side's ends.
+#[inline(always)]
+fn loosened<V: Real, T: Jet<V>>(loose: [bool; 2], along: T, b_i: T, b_j: T) -> T {
+    let (half, tiny) = (V::constant(0.5), V::constant(1e-6));
+    let held = |share: T, b: T| {
+        let size = T::select(b.value().less(V::constant(0.0)), -b, b);
+        let least = at_least(size.times(half), tiny);
+        T::select(share.value().less(least.value()), least, share)
+    };
+    let one = T::lift(V::constant(1.0));
+    let first = if loose[0] { held(along, b_j) } else { one };
+    let second = if loose[1] {
+        held(one - along, b_i)
+    } else {
+        one
+    };
+    first * second
 }

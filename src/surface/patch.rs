@@ -81,6 +81,9 @@ pub(super) struct Side<S> {
     pub damping: S,
     /// Coefficients of the correction's slope, a quadratic along the side.
     pub correction: [S; 3],
+    /// Whether the other side at either end is straight, though the vertex's normal leans along
+    /// it: there the surface cannot keep the vertex's tangent plane, and the slope does not vanish.
+    pub loose: [bool; 2],
 }
 
 /// What a patch knows of a vertex.
@@ -147,6 +150,7 @@ pub struct Patch<S> {
     pub(super) slab: [S; 2],
     pub(super) rule: Rule,
     pub(super) any_obtuse: bool,
+    pub(super) any_loose: bool,
     kind: PatchKind,
 }
 
@@ -267,6 +271,7 @@ impl<S: Scalar> Patch<S> {
             patch.vertices[i] = patch.vertex(i, edges, normals[i]);
         }
         patch.any_obtuse = patch.sides.iter().any(|side| side.obtuse);
+        patch.any_loose = patch.sides.iter().any(|side| side.loose.contains(&true));
         patch.rule = match flags.surface() {
             Surface::Angular => Rule::Angular,
             Surface::Tensor | Surface::Smooth => Rule::Tensor,
@@ -289,6 +294,7 @@ impl<S: Scalar> Patch<S> {
             bend: [zero; 2],
             damping: zero,
             correction: [zero; 3],
+            loose: [false; 2],
         };
         let vertex = Vertex {
             normal: zero,
@@ -311,6 +317,7 @@ impl<S: Scalar> Patch<S> {
             slab: [zero; 2],
             rule: Rule::Flat,
             any_obtuse: false,
+            any_loose: false,
             kind: PatchKind::Degenerate,
         }
     }
@@ -414,6 +421,7 @@ impl<S: Scalar> Patch<S> {
                 zero
             },
             correction: [zero; 3],
+            loose: [next(next(k)), next(k)].map(|other| !straight && flags.is_straight(other)),
         }
     }
 
