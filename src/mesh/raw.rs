@@ -79,6 +79,10 @@ impl RawMesh {
         if indices > MAX_INDICES {
             return Err(MeshError::TooManyIndices { indices });
         }
+        let vertices = self.positions.len().max(self.normals.len()) as u64;
+        if vertices > MAX_INDICES {
+            return Err(MeshError::TooManyVertices { vertices });
+        }
         for (vertex, p) in self.positions.iter().enumerate() {
             let DVec3 { x, y, z } = *p;
             if !p.is_finite() {
