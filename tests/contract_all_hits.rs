@@ -45,7 +45,7 @@ fn crosses_evenly(ray: &Ray, hits: &[Hit]) -> bool {
         .iter()
         .map(|hit| hit.ng.dot(ray.direction) < 0.0)
         .enumerate();
-    ordered && hits.len() % 2 == 0 && sides.all(|(n, front)| front == (n % 2 == 0))
+    ordered && hits.len().is_multiple_of(2) && sides.all(|(n, front)| front == (n % 2 == 0))
 }
 
 #[test]

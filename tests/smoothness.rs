@@ -13,8 +13,8 @@ fn jumps(body: &Body, traced: &Traced) -> Vec<f32> {
     let mut jumps = Vec::new();
     for triangle in 0..body.mesh.triangles().len() {
         let neighbours = topology.neighbours(triangle);
-        for k in 0..3 {
-            let neighbour = neighbours[k] as usize;
+        for (k, neighbour) in neighbours.into_iter().enumerate() {
+            let neighbour = neighbour as usize;
             if topology.side(triangle, k) != SideKind::Smooth || neighbour < triangle {
                 continue;
             }

@@ -1,9 +1,11 @@
 //! The Embree callbacks of a curved mesh.
 
+use std::ops::Deref;
+
 use super::CurvedMesh;
 use super::counters::count;
-use crate::embree::{Bounds, IntersectQuery, OccludedQuery, SurfaceHit, UserGeometry};
-use crate::surface::{Patch, Ray, Real};
+use crate::embree::{Bounds, IntersectQuery, OccludedQuery, QueryRays, SurfaceHit, UserGeometry};
+use crate::surface::{HitLanes, Outline, Ray, RayLanes, Real};
 
 impl UserGeometry for CurvedMesh {
     fn primitives(&self) -> u32 {
@@ -20,47 +22,116 @@ impl UserGeometry for CurvedMesh {
     }
 
     fn intersect(&self, query: &mut IntersectQuery<'_>) {
-        let patch = self.patch(query.prim_id());
-        for lane in query.lanes() {
-            let ray = kernel_ray(&query.ray(lane));
-            self.offer_roots(&patch, ray, |hit| query.report(lane, hit));
-        }
+        self.trace(query, IntersectQuery::report);
     }
 
     fn occluded(&self, query: &mut OccludedQuery<'_>) {
-        let patch = self.patch(query.prim_id());
-        for lane in query.lanes() {
-            let ray = kernel_ray(&query.ray(lane));
-            self.offer_roots(&patch, ray, |hit| query.report(lane, hit));
-        }
+        self.trace(query, OccludedQuery::report);
+    }
+}
+
+/// Fewer valid lanes than this are traced one by one.
+const MIN_PACKET: u32 = 2;
+
+/// The lanes of a mask of one bit a lane.
+fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = mask.trailing_zeros();
+        mask &= mask.wrapping_sub(1);
+        (lane < u32::BITS).then_some(lane as usize)
+    })
+}
+
+fn surface_hit(hits: &HitLanes, lane: usize) -> SurfaceHit {
+    let [x, y, z] = hits.normal;
+    SurfaceHit {
+        t: hits.t[lane],
+        u: hits.u[lane],
+        v: hits.v[lane],
+        ng: glam::vec3(x[lane], y[lane], z[lane]),
+    }
+}
+
+/// The lane's ray from beyond a root that was rejected.
+fn rest_of_ray(outline: &Outline<'_, f32>, query: &QueryRays<'_>, lane: usize, t: f32) -> Ray<f32> {
+    let ray = kernel_ray(&query.ray(lane));
+    Ray {
+        tnear: outline.beyond(&ray, t),
+        ..ray
     }
 }
 
 impl CurvedMesh {
+    /// Offers the roots of a query's rays on its triangle.
+    fn trace<'a, Q: Deref<Target = QueryRays<'a>>>(
+        &self,
+        query: &mut Q,
+        report: impl Fn(&mut Q, usize, SurfaceHit) -> bool,
+    ) {
+        let outline = self.outline(query.prim_id());
+        if query.valid().count_ones() < MIN_PACKET {
+            for lane in query.lanes() {
+                let ray = kernel_ray(&query.ray(lane));
+                self.offer_roots(&outline, ray, |hit| report(query, lane, hit));
+            }
+            return;
+        }
+        let hits = self.packet_hits(&outline, query);
+        for lane in lanes(hits.found) {
+            if !report(query, lane, surface_hit(&hits, lane)) {
+                let ray = rest_of_ray(&outline, query, lane, hits.t[lane]);
+                self.offer_roots(&outline, ray, |hit| report(query, lane, hit));
+            }
+        }
+    }
+
+    fn outline(&self, triangle: u32) -> Outline<'_, f32> {
+        let (positions, normals) = super::corners(&self.mesh, triangle as usize);
+        Outline::new(positions, normals, &self.records[triangle as usize])
+    }
+
+    /// The first roots of all valid rays of a query.
+    fn packet_hits(&self, outline: &Outline<'_, f32>, query: &QueryRays<'_>) -> HitLanes {
+        let rays = RayLanes {
+            origin: [query.org_x(), query.org_y(), query.org_z()],
+            direction: [query.dir_x(), query.dir_y(), query.dir_z()],
+            tnear: query.tnear(),
+            tfar: query.tfar(),
+        };
+        let hits = outline.intersect_packet(&rays, query.valid(), self.solver, true);
+        count(query.valid().count_ones().into(), hits.evaluations.into());
+        hits
+    }
+
     /// Reports the ray's roots on a patch, nearest first, until one is accepted.
     fn offer_roots(
         &self,
-        patch: &Patch<f32>,
+        outline: &Outline<'_, f32>,
         mut ray: Ray<f32>,
         mut report: impl FnMut(SurfaceHit) -> bool,
     ) {
         let mut evaluations = 0;
-        loop {
-            let hit = patch.intersect(&ray, self.solver);
-            evaluations += u64::from(hit.evaluations);
-            if !hit.found {
-                break;
+        let mut segment = outline.clip(&ray, true);
+        if !segment.is_empty() {
+            let patch = outline.complete();
+            loop {
+                let hit = patch.intersect_within(&segment, &ray, self.solver);
+                evaluations += u64::from(hit.evaluations);
+                if !hit.found {
+                    break;
+                }
+                let ng = patch.normal_at(hit.u, hit.v).into();
+                if report(SurfaceHit {
+                    t: hit.t,
+                    u: hit.u,
+                    v: hit.v,
+                    ng,
+                }) {
+                    break;
+                }
+                ray.tnear = outline.beyond(&ray, hit.t);
+                segment = outline.clip(&ray, true);
             }
-            let ng = patch.normal_at(hit.u, hit.v).into();
-            if report(SurfaceHit {
-                t: hit.t,
-                u: hit.u,
-                v: hit.v,
-                ng,
-            }) {
-                break;
-            }
-            ray.tnear = patch.beyond(&ray, hit.t);
         }
         count(1, evaluations);
     }

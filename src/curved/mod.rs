@@ -57,7 +57,7 @@ impl CurvedMesh {
             records: prepared.records,
             solver: options.solver,
             kinds: prepared.kinds,
-            topology: topology.counts().clone(),
+            topology: *topology.counts(),
         }
     }
 

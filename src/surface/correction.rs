@@ -67,7 +67,7 @@ fn slope<S: Scalar>(patch: &Patch<S>, k: usize, along: S) -> S {
     b[k] = constant(one) - b_j - b_m;
     b[next(k)] = b_j;
     b[next(next(k))] = b_m;
-    let foot = patch.foot_in::<S, _>(b, Choice::only(k));
+    let foot = patch.foot_in::<S, _>(b, Choice::only(along, k));
     let h = patch.uncorrected(&foot);
     // In the frame (along, inward, up): r = (x, y + lean h, h).
     let out = foot.lean * h;

@@ -18,17 +18,18 @@ impl<V: Real, const N: usize> Dual<V, N> {
     /// The `index`-th independent variable.
     #[inline(always)]
     pub fn variable(value: V, index: usize) -> Self {
-        let mut parts = [V::constant(0.0); N];
-        parts[index] = V::constant(1.0);
+        let mut parts = [value.constant(0.0); N];
+        parts[index] = value.constant(1.0);
         Self { value, parts }
     }
 
     #[inline(always)]
     fn with(value: V, part: impl Fn(usize) -> V) -> Self {
-        Self {
-            value,
-            parts: std::array::from_fn(part),
+        let mut parts = [value; N];
+        for (n, slot) in parts.iter_mut().enumerate() {
+            *slot = part(n);
         }
+        Self { value, parts }
     }
 }
 
@@ -36,7 +37,11 @@ impl<V: Real, const N: usize> Add for Dual<V, N> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self::with(self.value + other.value, |n| self.parts[n] + other.parts[n])
+        Self::with(
+            self.value + other.value,
+            #[inline(always)]
+            |n| self.parts[n] + other.parts[n],
+        )
     }
 }
 
@@ -44,7 +49,11 @@ impl<V: Real, const N: usize> Sub for Dual<V, N> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self::with(self.value - other.value, |n| self.parts[n] - other.parts[n])
+        Self::with(
+            self.value - other.value,
+            #[inline(always)]
+            |n| self.parts[n] - other.parts[n],
+        )
     }
 }
 
@@ -52,9 +61,11 @@ impl<V: Real, const N: usize> Mul for Dual<V, N> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        Self::with(self.value * other.value, |n| {
-            self.parts[n] * other.value + self.value * other.parts[n]
-        })
+        Self::with(
+            self.value * other.value,
+            #[inline(always)]
+            |n| self.parts[n] * other.value + self.value * other.parts[n],
+        )
     }
 }
 
@@ -62,11 +73,13 @@ impl<V: Real, const N: usize> Div for Dual<V, N> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let inverse = V::constant(1.0) / other.value;
+        let inverse = other.value.constant(1.0) / other.value;
         let value = self.value * inverse;
-        Self::with(value, |n| {
-            (self.parts[n] - value * other.parts[n]) * inverse
-        })
+        Self::with(
+            value,
+            #[inline(always)]
+            |n| (self.parts[n] - value * other.parts[n]) * inverse,
+        )
     }
 }
 
@@ -74,7 +87,11 @@ impl<V: Real, const N: usize> Neg for Dual<V, N> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self::with(-self.value, |n| -self.parts[n])
+        Self::with(
+            -self.value,
+            #[inline(always)]
+            |n| -self.parts[n],
+        )
     }
 }
 
@@ -83,7 +100,7 @@ impl<V: Real, const N: usize> Jet<V> for Dual<V, N> {
     fn lift(value: V) -> Self {
         Self {
             value,
-            parts: [V::constant(0.0); N],
+            parts: [value.constant(0.0); N],
         }
     }
     #[inline(always)]
@@ -92,7 +109,11 @@ impl<V: Real, const N: usize> Jet<V> for Dual<V, N> {
     }
     #[inline(always)]
     fn times(self, factor: V) -> Self {
-        Self::with(self.value * factor, |n| self.parts[n] * factor)
+        Self::with(
+            self.value * factor,
+            #[inline(always)]
+            |n| self.parts[n] * factor,
+        )
     }
     #[inline(always)]
     fn plus(self, term: V) -> Self {
@@ -103,25 +124,33 @@ impl<V: Real, const N: usize> Jet<V> for Dual<V, N> {
     }
     #[inline(always)]
     fn select(mask: V::Mask, yes: Self, no: Self) -> Self {
-        Self::with(V::select(mask, yes.value, no.value), |n| {
-            V::select(mask, yes.parts[n], no.parts[n])
-        })
+        Self::with(
+            V::select(mask, yes.value, no.value),
+            #[inline(always)]
+            |n| V::select(mask, yes.parts[n], no.parts[n]),
+        )
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        let zero = V::constant(0.0);
+        let (zero, half) = (self.value.constant(0.0), self.value.constant(0.5));
         let root = Real::sqrt(self.value);
-        let slope = V::select(zero.less(root), V::constant(0.5) / root, zero);
-        Self::with(root, |n| self.parts[n] * slope)
+        let slope = V::select(zero.less(root), half / root, zero);
+        Self::with(
+            root,
+            #[inline(always)]
+            |n| self.parts[n] * slope,
+        )
     }
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        let zero = V::constant(0.0);
+        let (zero, one) = (self.value.constant(0.0), self.value.constant(1.0));
         let square = self.value * self.value + x.value * x.value;
-        let inverse = V::select(zero.less(square), V::constant(1.0) / square, zero);
-        Self::with(Real::atan2(self.value, x.value), |n| {
-            (x.value * self.parts[n] - self.value * x.parts[n]) * inverse
-        })
+        let inverse = V::select(zero.less(square), one / square, zero);
+        Self::with(
+            Real::atan2(self.value, x.value),
+            #[inline(always)]
+            |n| (x.value * self.parts[n] - self.value * x.parts[n]) * inverse,
+        )
     }
 }
 
@@ -147,8 +176,8 @@ pub(super) fn lesser<V: Real, T: Jet<V>>(a: T, b: T) -> T {
 #[inline(always)]
 pub(super) fn ratio_or_zero<V: Real, T: Jet<V>>(value: T, divisor: T, tiny: V) -> T {
     let usable = tiny.less(divisor.value());
-    let zero = T::lift(V::constant(0.0));
-    let one = T::lift(V::constant(1.0));
+    let zero = T::lift(tiny.constant(0.0));
+    let one = T::lift(tiny.constant(1.0));
     T::select(usable, value, zero) / T::select(usable, divisor, one)
 }
 

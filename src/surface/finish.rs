@@ -2,12 +2,12 @@
 //! the roots, then a bracketing method.
 
 use super::ita::{Root, differ};
-use super::real::{Mask, Real};
+use super::real::{Mask, Real, inlined};
 
 /// Most parts that a segment is sampled in.
 pub const MAX_PARTS: usize = 16;
 /// How often a suspected pair of close roots is looked into.
-const MAX_PROBES: usize = 8;
+const MAX_PROBES: f64 = 8.0;
 /// A place is worth a look where a parabola comes down to this share of the least sample there.
 const PROMISE: f64 = 1.0;
 /// Most steps of the bracketing method; far fewer are ever needed.
@@ -34,80 +34,80 @@ impl<V: Real> Bracket<V> {
     }
 }
 
-/// The first root within [0, length], to within `tolerance` of the parameter.
+/// The first root within [0, length], to within `tolerance` of the parameter or to where the
+/// function is within `noise` of zero.
 ///
-/// Samples `parts` equal parts; where three consecutive samples of one sign lie on a parabola that
-/// comes near to zero, it looks there, which finds the two close roots of a grazing ray.
+/// Samples up to `parts` equal parts; where three consecutive samples of one sign lie on a parabola
+/// that comes near to zero, it looks there, which finds the two close roots of a grazing ray. `f`
+/// is told the lanes whose value matters.
 #[inline(always)]
 pub(super) fn first_root<V: Real>(
-    mut f: impl FnMut(V) -> V,
+    mut f: impl FnMut(V, V::Mask) -> V,
     length: V,
-    tolerance: V,
+    [tolerance, noise]: [V; 2],
     alive: V::Mask,
     parts: usize,
 ) -> Root<V> {
     debug_assert!((2..=MAX_PARTS).contains(&parts));
-    let part = length * V::constant(1.0 / parts as f64);
-    let at = |n: usize| part * V::constant(n as f64);
-    let zero = V::constant(0.0);
-    let mut values = [zero; MAX_PARTS + 1];
-    for (n, value) in values.iter_mut().enumerate().take(parts + 1) {
-        *value = f(at(n));
-    }
+    let zero = length.constant(0.0);
+    let part = length * length.constant(1.0 / parts as f64);
     let mut bracket = Bracket {
         from: zero,
         to: length,
         at_from: zero,
         at_to: zero,
-        found: V::Mask::splat(false),
+        found: length.mask(false),
     };
-    for n in (0..parts).rev() {
-        let change = differ(values[n], values[n + 1]);
-        bracket.replace(change, (at(n), values[n]), (at(n + 1), values[n + 1]));
+    let mut probes = zero;
+    let mut left = (zero, f(zero, alive));
+    let mut middle = left;
+    for n in 1..=parts {
+        let seeking = alive & !bracket.found;
+        if !seeking.any() {
+            break;
+        }
+        let place = part * part.constant(n as f64);
+        let right = (place, f(place, seeking));
+        let change = seeking & differ(middle.1, right.1);
+        bracket.replace(change, middle, right);
+        if n > 1 {
+            let dip = Dip {
+                left,
+                middle,
+                right,
+            };
+            probe_minimum(&mut f, dip, seeking & !change, &mut probes, &mut bracket);
+        }
+        (left, middle) = (middle, right);
     }
-    probe_minima(&mut f, &values[..=parts], part, alive, &mut bracket);
-    let found = bracket.found & alive;
-    chandrupatla(f, bracket, tolerance, found)
+    let found = bracket.found;
+    chandrupatla(f, bracket, [tolerance, noise], found)
 }
 
-/// Looks between the samples before the bracket for a change of sign that they miss: a parabola
-/// through three consecutive samples of one sign tells where the function comes nearest to zero,
-/// and each look there makes the next parabola narrower.
+/// Looks between three consecutive samples of one sign for a change of sign that they miss: a
+/// parabola through them tells where the function comes nearest to zero, and each look there makes
+/// the next parabola narrower.
 #[inline(always)]
-fn probe_minima<V: Real>(
-    f: &mut impl FnMut(V) -> V,
-    values: &[V],
-    part: V,
-    alive: V::Mask,
+fn probe_minimum<V: Real>(
+    f: &mut impl FnMut(V, V::Mask) -> V,
+    mut dip: Dip<V>,
+    mut look: V::Mask,
+    probes: &mut V,
     bracket: &mut Bracket<V>,
 ) {
-    let mut settled = !alive;
-    let mut budget = MAX_PROBES;
-    for n in 0..values.len() - 2 {
-        let at = |k: usize| (part * V::constant((n + k) as f64), values[n + k]);
-        let mut dip = Dip {
-            left: at(0),
-            middle: at(1),
-            right: at(2),
-        };
-        // Only what lies before the first change of sign matters: after it the first root is known.
-        settled = settled | differ(dip.left.1, dip.middle.1) | differ(dip.middle.1, dip.right.1);
-        let mut look = !settled;
-        while budget > 0 {
-            let (place, promising) = dip.lowest();
-            look = look & promising;
-            if !look.any() {
-                break;
-            }
-            budget -= 1;
-            let probe = (place, f(place));
-            let crossed = look & differ(probe.1, dip.middle.1);
-            let from = dip.before(place);
-            bracket.replace(crossed, from, probe);
-            settled = settled | crossed;
-            look = look & !crossed;
-            dip.narrow(probe);
+    let (one, most) = (probes.constant(1.0), probes.constant(MAX_PROBES));
+    loop {
+        let (place, promising) = dip.lowest();
+        look = look & promising & probes.less(most);
+        if !look.any() {
+            break;
         }
+        *probes = V::select(look, *probes + one, *probes);
+        let probe = (place, f(place, look));
+        let crossed = look & differ(probe.1, dip.middle.1);
+        bracket.replace(crossed, dip.before(place), probe);
+        look = look & !crossed;
+        dip.narrow(probe);
     }
 }
 
@@ -122,7 +122,8 @@ impl<V: Real> Dip<V> {
     /// Where the parabola through the three comes nearest to zero, and whether it is worth a look.
     #[inline(always)]
     fn lowest(&self) -> (V, V::Mask) {
-        let (zero, one) = (V::constant(0.0), V::constant(1.0));
+        let like = self.middle.0;
+        let (zero, one) = (like.constant(0.0), like.constant(1.0));
         let (to_left, to_right) = (self.left.0 - self.middle.0, self.right.0 - self.middle.0);
         let (rise_left, rise_right) = (self.left.1 - self.middle.1, self.right.1 - self.middle.1);
         // middle + slope x + bend x^2 in the distance x from the middle, times a common divisor.
@@ -131,7 +132,8 @@ impl<V: Real> Dip<V> {
         let slope = rise_right * to_left * to_left - rise_left * to_right * to_right;
         let curved = zero.less(bend.abs()) & zero.less(divisor.abs());
         let x = V::select(curved, -slope, zero) / V::select(curved, bend + bend, one);
-        let value = self.middle.1 + x * V::constant(0.5) * slope / V::select(curved, divisor, one);
+        let value =
+            self.middle.1 + x * like.constant(0.5) * slope / V::select(curved, divisor, one);
         let inside = to_left.less(x) & x.less(to_right);
         let least = self
             .left
@@ -139,7 +141,7 @@ impl<V: Real> Dip<V> {
             .abs()
             .lesser(self.middle.1.abs())
             .lesser(self.right.1.abs());
-        let nears = value.abs().less(least * V::constant(PROMISE)) | differ(value, self.middle.1);
+        let nears = value.abs().less(least * like.constant(PROMISE)) | differ(value, self.middle.1);
         (self.middle.0 + x, curved & inside & nears)
     }
 
@@ -176,12 +178,13 @@ fn pair<V: Real>(mask: V::Mask, yes: (V, V), no: (V, V)) -> (V, V) {
 /// bracket never widens. The first guess is the secant's.
 #[inline(always)]
 fn chandrupatla<V: Real>(
-    mut f: impl FnMut(V) -> V,
+    mut f: impl FnMut(V, V::Mask) -> V,
     bracket: Bracket<V>,
-    tolerance: V,
+    [tolerance, noise]: [V; 2],
     found: V::Mask,
 ) -> Root<V> {
-    let (zero, half, one) = (V::constant(0.0), V::constant(0.5), V::constant(1.0));
+    let like = tolerance;
+    let (zero, half, one) = (like.constant(0.0), like.constant(0.5), like.constant(1.0));
     let (mut a, mut b) = (bracket.from, bracket.to);
     let (mut fa, mut fb) = (bracket.at_from, bracket.at_to);
     let mut active = found;
@@ -198,7 +201,7 @@ fn chandrupatla<V: Real>(
         }
         let share_in = share.greater(margin).lesser(one - margin);
         let place = a + (b - a) * share_in;
-        let value = f(place);
+        let value = f(place, active);
         let same = !differ(value, fa);
         let (c, fc) = (V::select(same, a, b), V::select(same, fa, fb));
         b = V::select(active, V::select(same, b, a), b);
@@ -206,7 +209,7 @@ fn chandrupatla<V: Real>(
         a = V::select(active, place, a);
         fa = V::select(active, value, fa);
         best = V::select(active, V::select(fa.abs().less(fb.abs()), a, b), best);
-        active = active & zero.less(value.abs());
+        active = active & noise.less(value.abs());
         share = next_share(a, b, c, fa, fb, fc);
     }
     Root {
@@ -220,11 +223,14 @@ fn chandrupatla<V: Real>(
 /// Where between `a` and `b` to look next, as a share from `a`; `c` is the point left behind.
 #[inline(always)]
 fn next_share<V: Real>(a: V, b: V, c: V, fa: V, fb: V, fc: V) -> V {
-    let (zero, half, one) = (V::constant(0.0), V::constant(0.5), V::constant(1.0));
-    let divide = |value: V, by: V| {
-        let usable = zero.less(by.abs());
-        V::select(usable, value, zero) / V::select(usable, by, one)
-    };
+    let (zero, half, one) = (a.constant(0.0), a.constant(0.5), a.constant(1.0));
+    let divide = inlined(
+        #[inline(always)]
+        |value: V, by: V| {
+            let usable = zero.less(by.abs());
+            V::select(usable, value, zero) / V::select(usable, by, one)
+        },
+    );
     let xi = divide(a - b, c - b);
     let phi = divide(fa - fb, fc - fb);
     let rest = one - phi;
@@ -238,8 +244,8 @@ fn next_share<V: Real>(a: V, b: V, c: V, fa: V, fb: V, fc: V) -> V {
 mod tests {
     use super::*;
 
-    fn solve(f: impl FnMut(f64) -> f64, parts: usize) -> Root<f64> {
-        first_root(f, 1.0, 1e-14, true, parts)
+    fn solve(mut f: impl FnMut(f64) -> f64, parts: usize) -> Root<f64> {
+        first_root(|at, _| f(at), 1.0, [1e-14, 0.0], true, parts)
     }
 
     #[test]
@@ -263,7 +269,7 @@ mod tests {
     #[test]
     fn no_root_is_a_miss_and_a_dead_lane_stays_dead() {
         assert!(!solve(|x| x * x - x + 0.3, 8).found);
-        assert!(!first_root(|x: f64| x - 0.5, 1.0, 1e-14, false, 8).found);
+        assert!(!first_root(|x: f64, _| x - 0.5, 1.0, [1e-14, 0.0], false, 8).found);
     }
 
     #[test]

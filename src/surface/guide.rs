@@ -7,12 +7,14 @@
 
 use super::dual::{at_least, capped, lesser};
 use super::patch::{Patch, Rule, Side, next};
-use super::real::{Jet, Mask, Real, Scalar};
+use super::real::{Jet, Real, Scalar, inlined, three};
 use super::vector::Vector;
 
 /// Which side's sub-triangle each lane is in.
 #[derive(Clone, Copy)]
 pub(super) struct Choice<V: Real> {
+    /// Any value with the same lanes.
+    like: V,
     first: V::Mask,
     second: V::Mask,
 }
@@ -21,8 +23,10 @@ impl<V: Real> Choice<V> {
     /// Side `k` is chosen where the opposite vertex's coordinate is the smallest.
     #[inline(always)]
     pub fn nearest(b: [V; 3]) -> Self {
+        let like = b[0];
         let first = b[2].at_most(b[0]) & b[2].at_most(b[1]);
         Self {
+            like,
             first,
             second: !first & b[0].at_most(b[1]),
         }
@@ -30,10 +34,11 @@ impl<V: Real> Choice<V> {
 
     /// Side `k` in every lane.
     #[inline(always)]
-    pub fn only(k: usize) -> Self {
+    pub fn only(like: V, k: usize) -> Self {
         Self {
-            first: V::Mask::splat(k == 0),
-            second: V::Mask::splat(k == 1),
+            like,
+            first: like.mask(k == 0),
+            second: like.mask(k == 1),
         }
     }
 
@@ -46,7 +51,10 @@ impl<V: Real> Choice<V> {
     /// The chosen one of three constants.
     #[inline(always)]
     pub fn constant(self, of: impl Fn(usize) -> V::Scalar) -> V {
-        self.pick([V::splat(of(0)), V::splat(of(1)), V::splat(of(2))])
+        self.pick(three(
+            #[inline(always)]
+            |k| self.like.splat(of(k)),
+        ))
     }
 
     /// Whether side `k` is chosen.
@@ -75,7 +83,10 @@ impl<S: Scalar> Patch<S> {
     /// The guide over a plane point.
     #[inline(always)]
     pub(super) fn foot_at<V: Real<Scalar = S>, T: Jet<V>>(&self, b: [T; 3]) -> Foot<V, T> {
-        self.foot_in(b, Choice::nearest(b.map(T::value)))
+        self.foot_in(
+            b,
+            Choice::nearest([b[0].value(), b[1].value(), b[2].value()]),
+        )
     }
 
     /// The guide over a plane point of the sub-triangle of the chosen side.
@@ -85,7 +96,8 @@ impl<S: Scalar> Patch<S> {
         b: [T; 3],
         choice: Choice<V>,
     ) -> Foot<V, T> {
-        let one = V::constant(1.0);
+        let like = choice.like;
+        let one = like.constant(1.0);
         let sides = &self.sides;
         let b_i = choice.pick(b);
         let b_m = choice.pick([b[2], b[0], b[1]]);
@@ -98,7 +110,7 @@ impl<S: Scalar> Patch<S> {
             limit
         };
         // At a vertex both the point and its median are at the side: there the guide is the side's.
-        let tiny = V::constant(1e-30);
+        let tiny = like.constant(1e-30);
         let share = super::dual::ratio_or_zero(b_m, ramp, tiny);
         let lean = (-capped(share, one))
             .plus(one)
@@ -112,7 +124,7 @@ impl<S: Scalar> Patch<S> {
     /// The medians' guides are vertical, so the foot's sub-triangle is the projection's.
     #[inline(always)]
     pub(super) fn foot_under<V: Real<Scalar = S>>(&self, above: [V; 3], z: V) -> Foot<V, V> {
-        let (zero, one) = (V::constant(0.0), V::constant(1.0));
+        let (zero, one) = (z.constant(0.0), z.constant(1.0));
         let sides = &self.sides;
         let choice = Choice::<V>::nearest(above);
         if self.rule == Rule::Flat {
@@ -144,12 +156,15 @@ impl<S: Scalar> Patch<S> {
             turn = V::select(obtuse, one - ramp_share, turn);
         }
         let b_i = one - b_j - b_m;
-        let b = [0, 1, 2].map(|v| {
-            // Vertex v is the first of side v, the second of side v - 1, opposite to side v + 1.
-            let first = choice.is(v);
-            let second = choice.is(next(next(v)));
-            V::select(first, b_i, V::select(second, b_j, b_m))
-        });
+        let b = three(
+            #[inline(always)]
+            |v| {
+                // Vertex v is the first of side v, the second of side v - 1, opposite to side v + 1.
+                let first = choice.is(v);
+                let second = choice.is(next(next(v)));
+                V::select(first, b_i, V::select(second, b_j, b_m))
+            },
+        );
         Foot {
             b,
             lean: turn * choice.constant(|k| sides[k].lean),
@@ -167,11 +182,14 @@ impl<S: Scalar> Patch<S> {
         let back = out * choice.constant(|k| self.sides[k].foot);
         // How the chosen side's first, second and opposite coordinate change along the guide.
         let shift = [back - out, -back, out];
-        let missed = |v: usize| {
-            let roles = choice.pick([shift[v], shift[(v + 2) % 3], shift[(v + 1) % 3]]);
-            above[v] - foot.b[v] - roles
-        };
-        let [to_second, to_third] = self.spokes.map(Vector::<V>::splat);
+        let missed = inlined(
+            #[inline(always)]
+            |v: usize| {
+                let roles = choice.pick([shift[v], shift[(v + 2) % 3], shift[(v + 1) % 3]]);
+                above[v] - foot.b[v] - roles
+            },
+        );
+        let [to_second, to_third] = Vector::splat_both(z, self.spokes);
         (to_second * missed(1) + to_third * missed(2)).length()
     }
 
@@ -180,9 +198,9 @@ impl<S: Scalar> Patch<S> {
     fn median<V: Real<Scalar = S>, T: Jet<V>>(&self, along: T, choice: Choice<V>) -> T {
         let from_first = along.times(choice.constant(|k| self.sides[k].rise[0]));
         let from_second = (-along)
-            .plus(V::constant(1.0))
+            .plus(choice.like.constant(1.0))
             .times(choice.constant(|k| self.sides[k].rise[1]));
-        at_least(lesser(from_first, from_second), V::constant(0.0))
+        at_least(lesser(from_first, from_second), choice.like.constant(0.0))
     }
 }
 
@@ -190,7 +208,10 @@ impl<V: Real> Choice<V> {
     /// Whether the chosen side has the ramp of obtuse triangles.
     #[inline(always)]
     fn obtuse(self, sides: &[Side<V::Scalar>; 3]) -> V::Mask {
-        let obtuse = |k: usize| V::Mask::splat(sides[k].obtuse);
+        let obtuse = inlined(
+            #[inline(always)]
+            |k: usize| self.like.mask(sides[k].obtuse),
+        );
         (self.first & obtuse(0)) | (self.second & obtuse(1)) | (self.is(2) & obtuse(2))
     }
 }
@@ -202,28 +223,42 @@ impl<V: Real> Choice<V> {
 /// root that stays finite as `a1` vanishes is the foot.
 #[inline(always)]
 fn ramp_under<V: Real>(along: V, foot: V, above_m: V, shift: V) -> (V, V) {
-    let (zero, one) = (V::constant(0.0), V::constant(1.0));
-    let (excess, four) = (above_m - shift, V::constant(4.0));
-    let root = |a0: V, a1: V| {
-        let q = a0 - a1 * excess - shift;
-        let discriminant = (q * q + four * a1 * a0 * excess).greater(zero);
-        let size = discriminant.sqrt();
-        // One root in two forms; each cancels for the other sign of q.
-        let (over, divisor) = (
-            V::select(q.less(zero), size - q, V::constant(2.0) * a0 * excess),
-            V::select(q.less(zero), a1 + a1, q + size),
-        );
-        let open = V::constant(1e-30).less(divisor.abs());
-        V::select(open, over, zero) / V::select(open, divisor, one)
-    };
+    let (zero, one, two) = (
+        shift.constant(0.0),
+        shift.constant(1.0),
+        shift.constant(2.0),
+    );
+    let (excess, four) = (above_m - shift, shift.constant(4.0));
+    let tiny = shift.constant(1e-30);
+    let root = inlined(
+        #[inline(always)]
+        |a0: V, a1: V| {
+            let q = a0 - a1 * excess - shift;
+            let discriminant = (q * q + four * a1 * a0 * excess).greater(zero);
+            let size = discriminant.sqrt();
+            // One root in two forms; each cancels for the other sign of q.
+            let (over, divisor) = (
+                V::select(q.less(zero), size - q, two * a0 * excess),
+                V::select(q.less(zero), a1 + a1, q + size),
+            );
+            let open = tiny.less(divisor.abs());
+            V::select(open, over, zero) / V::select(open, divisor, one)
+        },
+    );
     let by_first = root(one - along, foot - one);
     let by_second = root(along, -foot);
-    let of_first = |b: V| one - along + b * (foot - one);
-    let of_second = |b: V| along - b * foot;
+    let of_first = inlined(
+        #[inline(always)]
+        |b: V| one - along + b * (foot - one),
+    );
+    let of_second = inlined(
+        #[inline(always)]
+        |b: V| along - b * foot,
+    );
     let first = of_first(by_first).at_most(of_second(by_first));
     let b_m = V::select(first, by_first, by_second);
     let ramp = V::select(first, of_first(by_first), of_second(by_second));
-    let open = V::constant(1e-30).less(ramp);
+    let open = tiny.less(ramp);
     let share = V::select(open, b_m, zero) / V::select(open, ramp, one);
     (V::select(one.less(share), ramp, b_m), share.lesser(one))
 }

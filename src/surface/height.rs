@@ -4,7 +4,7 @@
 use super::dual::{at_least, capped, ratio_or_zero};
 use super::guide::Foot;
 use super::patch::{Patch, Rule, next};
-use super::real::{Jet, Real, Scalar};
+use super::real::{Jet, Real, Scalar, inlined, three};
 
 /// The damping factor's floor: where three sides disagree strongly it would turn negative. A side
 /// alone takes it down to 0.1 at most, so that no side's slope hangs on which of two equals wins.
@@ -37,15 +37,16 @@ impl<S: Scalar> Patch<S> {
     /// The height without the cross-side correction.
     #[inline(always)]
     pub(super) fn uncorrected<V: Real<Scalar = S>, T: Jet<V>>(&self, foot: &Foot<V, T>) -> T {
+        let like = foot.lean.value();
         if self.rule == Rule::Flat {
-            return T::lift(V::constant(0.0));
+            return T::lift(like.constant(0.0));
         }
         let b = foot.b;
         let damping = self.damping_factor(b);
-        let guide2 = (foot.lean * foot.lean).plus(V::constant(1.0));
+        let guide2 = (foot.lean * foot.lean).plus(like.constant(1.0));
         let height = foot.choice.constant(|k| self.sides[k].height);
         let up = foot.choice.pick([b[2], b[0], b[1]]).times(height);
-        let mut sum = T::lift(V::constant(0.0));
+        let mut sum = T::lift(like.constant(0.0));
         for i in 0..3 {
             let t = self.sphere_parameter(i, foot, damping, guide2, up, height);
             sum = sum + b[i] * t;
@@ -67,12 +68,16 @@ impl<S: Scalar> Patch<S> {
         height: V,
     ) -> T {
         let (j, k) = (next(i), next(next(i)));
+        let like = height;
         let (b_j, b_k) = (foot.b[j], foot.b[k]);
         let vertex = &self.vertices[i];
-        let length2 = |side: usize| V::splat(self.sides[side].length2);
+        let length2 = inlined(
+            #[inline(always)]
+            |side: usize| like.splat(self.sides[side].length2),
+        );
         let distance2 = (b_j * b_j).times(length2(i))
             + (b_k * b_k).times(length2(k))
-            + (b_j * b_k).times(V::splat(vertex.between + vertex.between));
+            + (b_j * b_k).times(like.splat(vertex.between + vertex.between));
         let curvature = match self.rule {
             Rule::Angular => self.angular(i, foot.b, distance2),
             _ => self.tensor(i, foot.b),
@@ -80,15 +85,15 @@ impl<S: Scalar> Patch<S> {
         let normal_guide = foot
             .lean
             .times(foot.choice.constant(|side| vertex.inward[side]))
-            .plus(V::splat(vertex.normal));
+            .plus(like.splat(vertex.normal));
         // Of the way from the vertex only the part along the lean meets the guide.
-        let opposite = V::select(foot.choice.is(j), height, V::constant(0.0));
+        let opposite = V::select(foot.choice.is(j), height, like.constant(0.0));
         let way_guide = foot.lean * up.plus(-opposite);
         let a = curvature.times_distance2 * guide2;
         let half_b = distance2 * normal_guide - curvature.times_distance2 * way_guide;
         let c = distance2 * curvature.offset * damping;
-        let discriminant = at_least(half_b * half_b - a * c, V::constant(0.0));
-        ratio_or_zero(c, half_b + discriminant.sqrt(), V::constant(1e-30))
+        let discriminant = at_least(half_b * half_b - a * c, like.constant(0.0));
+        ratio_or_zero(c, half_b + discriminant.sqrt(), like.constant(1e-30))
     }
 
     /// The paper's rule (19): curvature by the angle at the vertex.
@@ -101,16 +106,18 @@ impl<S: Scalar> Patch<S> {
     ) -> Curvature<T> {
         let (j, k) = (next(i), next(next(i)));
         let (to_j, to_k) = (&self.sides[i], &self.sides[k]);
-        let aside = b[j].times(V::splat(self.area2));
+        let like = distance2.value();
+        let aside = b[j].times(like.splat(self.area2));
         let ahead =
-            b[k].times(V::splat(to_k.length2)) + b[j].times(V::splat(self.vertices[i].between));
+            b[k].times(like.splat(to_k.length2)) + b[j].times(like.splat(self.vertices[i].between));
         let share = aside
             .atan2(ahead)
-            .times(V::splat(self.vertices[i].inverse_angle));
+            .times(like.splat(self.vertices[i].inverse_angle));
         let (at_j, at_k) = (to_j.bend[0] / to_j.length2, to_k.bend[1] / to_k.length2);
-        let c = share.times(V::splat(at_j - at_k)).plus(V::splat(at_k));
+        let c = share.times(like.splat(at_j - at_k)).plus(like.splat(at_k));
         let times_distance2 = c * distance2;
-        let tangential = b[j].times(V::splat(to_j.bend[0])) + b[k].times(V::splat(to_k.bend[1]));
+        let tangential =
+            b[j].times(like.splat(to_j.bend[0])) + b[k].times(like.splat(to_k.bend[1]));
         Curvature {
             times_distance2,
             offset: times_distance2 - tangential,
@@ -123,13 +130,14 @@ impl<S: Scalar> Patch<S> {
         let (j, k) = (next(i), next(next(i)));
         let (bend_j, bend_k) = (self.sides[i].bend[0], self.sides[k].bend[1]);
         let across = self.mean_bend(j);
+        let like = b[0].value();
         let (b_ij, b_ik, b_jk) = (b[i] * b[j], b[i] * b[k], b[j] * b[k]);
-        let times_distance2 = (b[j] * b[j]).times(V::splat(bend_j))
-            + (b[k] * b[k]).times(V::splat(bend_k))
-            + b_jk.times(V::splat(bend_j + bend_k - across));
-        let offset = -(b_ij.times(V::splat(bend_j))
-            + b_ik.times(V::splat(bend_k))
-            + b_jk.times(V::splat(across)));
+        let times_distance2 = (b[j] * b[j]).times(like.splat(bend_j))
+            + (b[k] * b[k]).times(like.splat(bend_k))
+            + b_jk.times(like.splat(bend_j + bend_k - across));
+        let offset = -(b_ij.times(like.splat(bend_j))
+            + b_ik.times(like.splat(bend_k))
+            + b_jk.times(like.splat(across)));
         Curvature {
             times_distance2,
             offset,
@@ -145,21 +153,32 @@ impl<S: Scalar> Patch<S> {
     /// `1 - 4 (kappa_12 b1 b2 + ...)`, held above a floor: 1 at the vertices.
     #[inline(always)]
     fn damping_factor<V: Real<Scalar = S>, T: Jet<V>>(&self, b: [T; 3]) -> T {
-        let damping = |k: usize| (b[k] * b[next(k)]).times(V::splat(self.sides[k].damping));
-        let factor = (-(damping(0) + damping(1) + damping(2))).plus(V::constant(1.0));
-        at_least(factor, V::constant(MIN_DAMPING_FACTOR))
+        let like = b[0].value();
+        let damping = inlined(
+            #[inline(always)]
+            |k: usize| (b[k] * b[next(k)]).times(like.splat(self.sides[k].damping)),
+        );
+        let factor = (-(damping(0) + damping(1) + damping(2))).plus(like.constant(1.0));
+        at_least(factor, like.constant(MIN_DAMPING_FACTOR))
     }
 
     /// The cross-side correction: a cubic bubble that turns the surface about each side.
     #[inline(always)]
     fn correction<V: Real<Scalar = S>, T: Jet<V>>(&self, b: [T; 3]) -> T {
-        let (zero, one) = (V::constant(0.0), V::constant(1.0));
-        let weights = [0, 1, 2].map(|k| b[k] * b[next(k)]);
+        let like = b[0].value();
+        let (zero, one) = (like.constant(0.0), like.constant(1.0));
+        let weights = three(
+            #[inline(always)]
+            |k| b[k] * b[next(k)],
+        );
         let mut sum = T::lift(zero);
         for (k, side) in self.sides.iter().enumerate() {
-            let along = b[next(k)] + b[next(next(k))].times(V::splat(side.foot));
+            let along = b[next(k)] + b[next(next(k))].times(like.splat(side.foot));
             let along = capped(at_least(along, zero), one);
-            let [c0, c1, c2] = side.correction.map(V::splat);
+            let [c0, c1, c2] = three(
+                #[inline(always)]
+                |n| like.splat(side.correction[n]),
+            );
             let mut slope = (along * along.times(c2).plus(c1)).plus(c0);
             if self.any_loose {
                 slope = slope / loosened(side.loose, along, b[k], b[next(k)]);
@@ -172,10 +191,10 @@ impl<S: Scalar> Patch<S> {
         let least = b[0].value().lesser(b[1].value()).lesser(b[2].value());
         let inside = zero.at_most(least);
         let near = share
-            .plus(V::constant(-FADE_END))
-            .times(V::constant(FADE_RATE));
+            .plus(like.constant(-FADE_END))
+            .times(like.constant(FADE_RATE));
         let fade = T::select(inside, T::lift(one), capped(at_least(near, zero), one));
-        ratio_or_zero(bubble * sum * fade, share, V::constant(1e-20))
+        ratio_or_zero(bubble * sum * fade, share, like.constant(1e-20))
     }
 }
 
@@ -183,18 +202,26 @@ impl<S: Scalar> Patch<S> {
 /// up where the triangle reaches beyond the side's ends.
 #[inline(always)]
 fn loosened<V: Real, T: Jet<V>>(loose: [bool; 2], along: T, b_i: T, b_j: T) -> T {
-    let (half, tiny) = (V::constant(0.5), V::constant(1e-6));
-    let held = |share: T, b: T| {
-        let size = T::select(b.value().less(V::constant(0.0)), -b, b);
-        let least = at_least(size.times(half), tiny);
-        T::select(share.value().less(least.value()), least, share)
+    let like = along.value();
+    let (half, tiny) = (like.constant(0.5), like.constant(1e-6));
+    let one = T::lift(like.constant(1.0));
+    let first = if loose[0] {
+        held(along, b_j, half, tiny)
+    } else {
+        one
     };
-    let one = T::lift(V::constant(1.0));
-    let first = if loose[0] { held(along, b_j) } else { one };
     let second = if loose[1] {
-        held(one - along, b_i)
+        held(one - along, b_i, half, tiny)
     } else {
         one
     };
     first * second
+}
+
+/// A share, held above a part of the coordinate it stands for.
+#[inline(always)]
+fn held<V: Real, T: Jet<V>>(share: T, b: T, part: V, tiny: V) -> T {
+    let negative = b.value().less(tiny.constant(0.0));
+    let least = at_least(T::select(negative, -b, b).times(part), tiny);
+    T::select(share.value().less(least.value()), least, share)
 }

@@ -4,7 +4,7 @@ use super::finish::{self, MAX_PARTS};
 use super::ita::{self, Root};
 use super::patch::{Patch, PatchKind, Rule, next};
 use super::ray::{Ray, Segment};
-use super::real::{Mask, Real, Scalar};
+use super::real::{Mask, Real, Scalar, inlined};
 use super::vector::Vector;
 
 /// A hit's barycentric coordinates may lie this far outside: neighbours overlap a little.
@@ -12,8 +12,12 @@ const MAX_OUTSIDE: f64 = 9e-5;
 
 /// Most roots of one ray on one patch that are looked at for the first true one.
 const MAX_ROOTS: u32 = 4;
+/// Height of the slab, in units of the patch's size, from which on a ray is sampled twice as densely.
+const HIGH_SLAB: f64 = 0.4;
 /// How far beyond a root the search for the next one begins, in units of the patch's size.
 const BEYOND: f64 = 1e-5;
+/// How far from zero F may be by rounding alone: as near as a root need be found.
+const NOISE_EPSILONS: f64 = 2.0;
 
 /// How the root along a ray is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,32 +53,54 @@ pub struct Hit<V: Real> {
     pub u: V,
     /// `b3` at the guide's foot, within [-1e-4, 1 + 1e-4].
     pub v: V,
-    /// How often the surface was evaluated.
+    /// How often the surface was evaluated, the sum over the lanes.
     pub evaluations: u32,
+}
+
+impl<V: Real> Hit<V> {
+    /// No hit, in as many lanes as `like` has.
+    #[inline(always)]
+    fn none(like: V) -> Self {
+        let zero = like.constant(0.0);
+        Self {
+            found: like.mask(false),
+            t: zero,
+            u: zero,
+            v: zero,
+            evaluations: 0,
+        }
+    }
 }
 
 impl<S: Scalar> Patch<S> {
     /// The first hit with `tnear < t <= tfar`.
     #[inline(always)]
     pub fn intersect<V: Real<Scalar = S>>(&self, ray: &Ray<V>, solver: Solver) -> Hit<V> {
-        let nothing = V::constant(0.0);
-        let miss = Hit {
-            found: V::Mask::splat(false),
-            t: nothing,
-            u: nothing,
-            v: nothing,
-            evaluations: 0,
-        };
-        if self.kind() == PatchKind::Degenerate {
-            return miss;
-        }
-        let segment = Segment::clip(self, ray);
-        if !segment.alive.any() {
-            return miss;
+        let segment = self.clip(ray, ray.tnear.mask(true));
+        self.intersect_within(&segment, ray, solver)
+    }
+
+    /// Where the ray can meet the surface at all, in the valid lanes.
+    #[inline(always)]
+    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Segment<V> {
+        let exists = ray.tnear.mask(self.kind() != PatchKind::Degenerate);
+        Segment::clip(self, ray, valid & exists)
+    }
+
+    /// The same as [`Patch::intersect`] for a ray that was [clipped](Patch::clip) before.
+    #[inline(always)]
+    pub fn intersect_within<V: Real<Scalar = S>>(
+        &self,
+        segment: &Segment<V>,
+        ray: &Ray<V>,
+        solver: Solver,
+    ) -> Hit<V> {
+        if segment.is_empty() {
+            return Hit::none(ray.tnear);
         }
         let hit = match self.rule {
-            Rule::Flat => self.plane_hit(&segment),
-            _ => self.surface_hit(segment, solver),
+            Rule::Flat => self.plane_hit(segment),
+            _ => self.surface_hit(*segment, solver),
         };
         Hit {
             found: hit.found & ray.tnear.less(hit.t) & hit.t.at_most(ray.tfar),
@@ -85,7 +111,7 @@ impl<S: Scalar> Patch<S> {
     #[inline(always)]
     fn plane_hit<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Hit<V> {
         let at = segment.plane_crossing();
-        let inside = V::constant(0.0).at_most(at) & at.at_most(segment.length);
+        let inside = at.constant(0.0).at_most(at) & at.at_most(segment.length);
         let ([u, v], moved) = self.kept_inside(segment.projection(at));
         let found = segment.alive & inside & moved.at_most(segment.stray_room);
         Hit {
@@ -99,15 +125,7 @@ impl<S: Scalar> Patch<S> {
 
     #[inline(always)]
     fn surface_hit<V: Real<Scalar = S>>(&self, mut segment: Segment<V>, solver: Solver) -> Hit<V> {
-        let zero = V::constant(0.0);
-        let none = V::Mask::splat(false);
-        let mut hit = Hit {
-            found: none,
-            t: zero,
-            u: zero,
-            v: zero,
-            evaluations: 0,
-        };
+        let mut hit = Hit::none(segment.start);
         for _ in 0..MAX_ROOTS {
             let root = self.first_root(&segment, solver, &mut hit.evaluations);
             let (above, z) = (segment.projection(root.at), segment.z(root.at));
@@ -141,6 +159,15 @@ impl<S: Scalar> Patch<S> {
         t + (step / way).greater(t.abs() * S::EPSILON * S::from_f64(2.0))
     }
 
+    /// F of equation (44), whose roots are the hits: the ray's height over the triangle's plane less
+    /// the surface's over the foot of the guide there, in units of the patch's size. `at` is the
+    /// segment's parameter, the ray's less that of the segment's start.
+    #[inline(always)]
+    pub fn clearance<V: Real<Scalar = S>>(&self, segment: &Segment<V>, at: V) -> V {
+        let z = segment.z(at);
+        z - self.height(&self.foot_under(segment.projection(at), z))
+    }
+
     #[inline(always)]
     fn first_root<V: Real<Scalar = S>>(
         &self,
@@ -148,23 +175,32 @@ impl<S: Scalar> Patch<S> {
         solver: Solver,
         evaluations: &mut u32,
     ) -> Root<V> {
-        // F of equation (44): the ray's height over the plane, less the surface's over its foot.
-        let f = |at: V| {
-            *evaluations += 1;
-            let z = segment.z(at);
-            z - self.height(&self.foot_under(segment.projection(at), z))
-        };
-        let root = match solver {
-            Solver::Ita { bits, step } => ita::first_root(f, segment.length, bits, step),
-            Solver::Finish { parts } => {
-                let tolerance = segment.tolerance();
-                let parts = (parts as usize).clamp(2, MAX_PARTS);
-                finish::first_root(f, segment.length, tolerance, segment.alive, parts)
+        let f = inlined(
+            #[inline(always)]
+            |at: V, lanes: V::Mask| {
+                *evaluations += lanes.count();
+                at.apart(
+                    #[inline(always)]
+                    || self.clearance(segment, at),
+                )
+            },
+        );
+        match solver {
+            Solver::Ita { bits, step } => {
+                ita::first_root(f, segment.length, segment.alive, bits, step)
             }
-        };
-        Root {
-            found: root.found & segment.alive,
-            ..root
+            Solver::Finish { parts } => {
+                let noise = segment
+                    .length
+                    .splat(S::EPSILON * S::from_f64(NOISE_EPSILONS));
+                let close = [segment.tolerance(), noise];
+                // Where the slab is high a ray may stay in it long before it meets the surface, and
+                // graze it between samples.
+                let high = S::from_f64(HIGH_SLAB) < self.slab[1] - self.slab[0];
+                let parts = if high { 2 * parts } else { parts };
+                let parts = (parts as usize).clamp(2, MAX_PARTS);
+                finish::first_root(f, segment.length, close, segment.alive, parts)
+            }
         }
     }
 }
@@ -174,15 +210,16 @@ impl<S: Scalar> Patch<S> {
     /// further out than neighbours overlap; and how far that is, in units of the patch's size.
     #[inline(always)]
     fn kept_inside<V: Real<Scalar = S>>(&self, b: [V; 3]) -> ([V; 2], V) {
-        let (zero, one) = (V::constant(0.0), V::constant(1.0));
-        let floor = V::constant(-MAX_OUTSIDE);
+        let like = b[0];
+        let (zero, one) = (like.constant(0.0), like.constant(1.0));
+        let floor = like.constant(-MAX_OUTSIDE);
         let outside = b[0].less(floor) | b[1].less(floor) | b[2].less(floor);
         let (mut u, mut v, mut furthest) = (b[1], b[2], zero);
         for (k, side) in self.sides.iter().enumerate() {
             let (j, m) = (next(k), next(next(k)));
-            let distance = b[m] * V::splat(side.height);
+            let distance = b[m] * like.splat(side.height);
             let further = outside & distance.less(furthest);
-            let along = (b[j] + b[m] * V::splat(side.foot))
+            let along = (b[j] + b[m] * like.splat(side.foot))
                 .greater(zero)
                 .lesser(one);
             let mut on_side = [zero; 3];
@@ -192,7 +229,7 @@ impl<S: Scalar> Patch<S> {
             v = V::select(further, on_side[2], v);
             furthest = V::select(further, distance, furthest);
         }
-        let [to_second, to_third] = self.spokes.map(Vector::<V>::splat);
+        let [to_second, to_third] = Vector::splat_both(like, self.spokes);
         let moved = (to_second * (b[1] - u) + to_third * (b[2] - v)).length();
         ([u, v], moved)
     }

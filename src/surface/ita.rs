@@ -1,7 +1,7 @@
 //! The paper's iterative algorithm (ITA, section 4.4): the first root of a function along a ray
 //! segment, a fixed number of binary digits of it.
 
-use super::real::{Mask, Real};
+use super::real::Real;
 
 /// Where a function changes sign first.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +20,7 @@ pub(super) struct Root<V: Real> {
 /// Whether the two values lie on different sides of zero, which counts as positive.
 #[inline(always)]
 pub(super) fn differ<V: Real>(a: V, b: V) -> V::Mask {
-    let zero = V::constant(0.0);
+    let zero = a.constant(0.0);
     let (a, b) = (a.less(zero), b.less(zero));
     (a & !b) | (!a & b)
 }
@@ -33,34 +33,35 @@ pub(super) fn differ<V: Real>(a: V, b: V) -> V::Mask {
 /// No change of sign after the last step is a miss.
 #[inline(always)]
 pub(super) fn first_root<V: Real>(
-    mut f: impl FnMut(V) -> V,
+    mut f: impl FnMut(V, V::Mask) -> V,
     length: V,
+    alive: V::Mask,
     bits: u32,
     step: u32,
 ) -> Root<V> {
     let parts = 1u32 << step;
-    let share = V::constant(1.0 / f64::from(parts));
-    let (mut start, mut width) = (V::constant(0.0), length);
-    let (mut left, mut right) = (f(start), f(start + width));
-    let mut found = V::Mask::splat(false);
+    let share = length.constant(1.0 / f64::from(parts));
+    let (mut start, mut width) = (length.constant(0.0), length);
+    let (mut left, mut right) = (f(start, alive), f(start + width, alive));
+    let mut found = length.mask(false);
     for _ in 0..bits.div_ceil(step) {
         let part = width * share;
         let mut scan = Scan::new(start, left);
         for n in 1..=parts {
-            let at = start + part * V::constant(f64::from(n));
-            let value = if n == parts { right } else { f(at) };
+            let at = start + part * part.constant(f64::from(n));
+            let value = if n == parts { right } else { f(at, alive) };
             scan.next(at, value);
         }
         (start, left, right, found) = scan.chosen();
         width = part;
     }
-    let zero = V::constant(0.0);
+    let (zero, one) = (length.constant(0.0), length.constant(1.0));
     let drop = left - right;
     let moves = zero.less(drop.abs());
-    let share = V::select(moves, left, zero) / V::select(moves, drop, V::constant(1.0));
+    let share = V::select(moves, left, zero) / V::select(moves, drop, one);
     Root {
         at: start + width * share,
-        found,
+        found: found & alive,
         value: left.abs().lesser(right.abs()),
         width,
     }
@@ -86,11 +87,11 @@ impl<V: Real> Scan<V> {
         Self {
             previous: (at, value),
             change: (at, value, value),
-            changed: V::Mask::splat(false),
+            changed: value.mask(false),
             near: (at, value, value),
             least: value.abs(),
-            fresh: V::Mask::splat(true),
-            before: V::constant(f64::INFINITY),
+            fresh: value.mask(true),
+            before: value.constant(f64::INFINITY),
         }
     }
 
@@ -131,10 +132,14 @@ fn select3<V: Real>(mask: V::Mask, yes: (V, V, V), no: (V, V, V)) -> (V, V, V) {
 mod tests {
     use super::*;
 
+    fn solve(f: impl Fn(f64) -> f64, step: u32) -> Root<f64> {
+        first_root(|at, _| f(at), 1.0, true, 24, step)
+    }
+
     #[test]
     fn the_first_of_several_roots_is_found() {
         for step in 1..=4 {
-            let root = first_root(|x: f64| (x - 0.3) * (x - 0.55) * (x - 0.9), 1.0, 24, step);
+            let root = solve(|x| (x - 0.3) * (x - 0.55) * (x - 0.9), step);
             assert!(root.found, "step {step}");
             if step > 1 {
                 assert!((root.at - 0.3).abs() < 1e-7, "step {step}: {}", root.at);
@@ -145,7 +150,7 @@ mod tests {
     #[test]
     fn two_close_roots_of_a_grazing_ray_are_found() {
         for step in 1..=4 {
-            let root = first_root(|x: f64| (x - 0.4) * (x - 0.4001), 1.0, 24, step);
+            let root = solve(|x| (x - 0.4) * (x - 0.4001), step);
             assert!(root.found, "step {step}");
             assert!((root.at - 0.4).abs() < 2e-4, "step {step}: {}", root.at);
         }
@@ -153,6 +158,6 @@ mod tests {
 
     #[test]
     fn no_root_is_a_miss() {
-        assert!(!first_root(|x: f64| x * x - x + 0.3, 1.0, 24, 3).found);
+        assert!(!solve(|x| x * x - x + 0.3, 3).found);
     }
 }

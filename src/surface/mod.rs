@@ -9,6 +9,13 @@
 //! Everything is written once over [`Scalar`], [`Real`] and [`Jet`]: `f64` is the oracle for
 //! `f32`, and tangents come from the same source by [`Dual`] numbers.
 
+// Sides and vertices are named by their index, in formulas that are cyclic in it.
+#![allow(clippy::needless_range_loop)]
+// `!(a < b)` where a NaN has to fail the test.
+#![allow(clippy::neg_cmp_op_on_partial_ord)]
+// The product rule.
+#![allow(clippy::suspicious_arithmetic_impl)]
+
 mod bounds;
 mod correction;
 mod dual;
@@ -18,6 +25,8 @@ mod guide;
 mod height;
 mod hit;
 mod ita;
+mod lanes;
+mod packet;
 mod patch;
 mod point;
 mod ray;
@@ -25,14 +34,17 @@ mod real;
 mod vector;
 
 #[cfg(test)]
+mod packet_tests;
+#[cfg(test)]
 mod tests;
 
 pub use dual::Dual;
 pub use finish::MAX_PARTS;
 pub use flags::{PatchFlags, Surface};
 pub use hit::{Hit, Solver};
-pub use patch::{FlatReason, Patch, PatchKind, PatchRecord};
+pub use packet::{HitLanes, RayLanes};
+pub use patch::{FlatReason, Outline, Patch, PatchKind, PatchRecord};
 pub use point::SurfacePoint;
-pub use ray::Ray;
+pub use ray::{Ray, Segment};
 pub use real::{Jet, Mask, Real, Scalar};
 pub use vector::{Vector, vector};

@@ -7,6 +7,7 @@
 use super::bounds::{self, HeightNet};
 use super::correction;
 use super::flags::{PatchFlags, Surface};
+use super::ray::{Ray, Segment};
 use super::real::{Real, Scalar};
 use super::vector::{Vector, vector};
 
@@ -55,6 +56,15 @@ pub(super) enum Rule {
     Angular,
     Tensor,
     Flat,
+}
+
+impl Rule {
+    fn of(surface: Surface) -> Self {
+        match surface {
+            Surface::Angular => Rule::Angular,
+            Surface::Tensor | Surface::Smooth => Rule::Tensor,
+        }
+    }
 }
 
 /// What a patch knows of a side, in the side's frame: x along the side from its first vertex, y
@@ -190,19 +200,7 @@ impl<S: Scalar> Patch<S> {
         normals: [Vector<S>; 3],
         record: &PatchRecord,
     ) -> Self {
-        let mut patch = Self::framed(positions, normals, record.flags);
-        patch.kind = record.kind;
-        patch.slab = record.slab.map(|z| S::from_f64(z.into()));
-        for (side, kept) in patch.sides.iter_mut().zip(&record.correction) {
-            side.correction = kept.map(|c| S::from_f64(c.into()));
-        }
-        match patch.kind {
-            PatchKind::Curved => {}
-            PatchKind::Fallback => patch.rule = Rule::Angular,
-            PatchKind::Flat(reason) => patch.flatten(reason),
-            PatchKind::Degenerate => patch.rule = Rule::Flat,
-        }
-        patch
+        Outline::new(positions, normals, record).complete()
     }
 
     /// What [`Patch::from_record`] needs to know beside the vertices.
@@ -241,6 +239,23 @@ impl<S: Scalar> Patch<S> {
     /// Everything that follows from the vertices without looking at the surface.
     fn framed(positions: [Vector<S>; 3], normals: [Vector<S>; 3], flags: PatchFlags) -> Self {
         let mut patch = Self::empty(positions[0]);
+        let Some(edges) = patch.lay_out(positions, normals) else {
+            return patch;
+        };
+        patch.kind = patch.classify(normals, flags);
+        patch.rule = Rule::of(flags.surface());
+        patch.lay_surface(edges, normals, flags);
+        patch.set_angles();
+        patch
+    }
+
+    /// Sets the plane and the side planes, all that a ray is clipped to but for the slab; gives the
+    /// edges, or nothing where there is no area.
+    fn lay_out(
+        &mut self,
+        positions: [Vector<S>; 3],
+        normals: [Vector<S>; 3],
+    ) -> Option<[Vector<S>; 3]> {
         let spokes = [positions[1] - positions[0], positions[2] - positions[0]];
         let opposite = positions[2] - positions[1];
         let extent = spokes[0]
@@ -249,34 +264,44 @@ impl<S: Scalar> Patch<S> {
             .greater(opposite.max_abs());
         let tiny = S::from_f64(1e-30);
         if !(tiny.less(extent) && extent < S::HUGE && positions[0].is_finite()) {
-            return patch;
+            return None;
         }
-        patch.size = extent.power_of_two();
-        let unit = S::from_f64(1.0) / patch.size;
-        patch.spokes = spokes.map(|spoke| spoke * unit);
+        self.size = extent.power_of_two();
+        let unit = S::from_f64(1.0) / self.size;
+        self.spokes = spokes.map(|spoke| spoke * unit);
         // Every side by direct subtraction of its ends, never as a sum of other sides.
         let edges = [
-            patch.spokes[0],
+            self.spokes[0],
             opposite * unit,
             (positions[0] - positions[2]) * unit,
         ];
-        if !patch.lay_plane(edges, normals) {
-            return patch;
+        if !self.lay_plane(edges, normals) {
+            return None;
         }
-        patch.kind = patch.classify(normals, flags);
         for k in 0..3 {
-            patch.sides[k] = patch.side(k, edges[k], normals, flags);
+            self.lay_side(k, edges[k], normals);
+        }
+        Some(edges)
+    }
+
+    /// Sets what the surface itself follows from.
+    fn lay_surface(&mut self, edges: [Vector<S>; 3], normals: [Vector<S>; 3], flags: PatchFlags) {
+        for k in 0..3 {
+            self.bend_side(k, edges[k], normals, flags);
         }
         for i in 0..3 {
-            patch.vertices[i] = patch.vertex(i, edges, normals[i]);
+            self.vertices[i] = self.vertex(i, edges, normals[i]);
         }
-        patch.any_obtuse = patch.sides.iter().any(|side| side.obtuse);
-        patch.any_loose = patch.sides.iter().any(|side| side.loose.contains(&true));
-        patch.rule = match flags.surface() {
-            Surface::Angular => Rule::Angular,
-            Surface::Tensor | Surface::Smooth => Rule::Tensor,
-        };
-        patch
+        self.any_obtuse = self.sides.iter().any(|side| side.obtuse);
+        self.any_loose = self.sides.iter().any(|side| side.loose.contains(&true));
+    }
+
+    /// Sets the angles at the vertices, which only the angular rule asks for.
+    fn set_angles(&mut self) {
+        for vertex in &mut self.vertices {
+            let angle = Real::atan2(self.area2, vertex.between);
+            vertex.inverse_angle = S::from_f64(1.0) / angle;
+        }
     }
 
     /// A patch without area.
@@ -370,20 +395,13 @@ impl<S: Scalar> Patch<S> {
         }
     }
 
-    fn side(
-        &self,
-        k: usize,
-        edge: Vector<S>,
-        normals: [Vector<S>; 3],
-        flags: PatchFlags,
-    ) -> Side<S> {
-        let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
-        let (first, second) = (normals[k], normals[next(k)]);
+    /// Sets a side's frame and its plane.
+    fn lay_side(&mut self, k: usize, edge: Vector<S>, normals: [Vector<S>; 3]) {
         let length2 = edge.dot(edge);
         let length = length2.sqrt();
         let height = self.area2 / length;
         let inward = self.gradients[next(next(k))] * height;
-        let sum = first + second;
+        let sum = normals[k] + normals[next(k)];
         let lean = sum.dot(inward) / sum.dot(self.normal);
         // Where the opposite vertex stands over the side: from the spoke out of the first vertex.
         let to_opposite = match k {
@@ -391,7 +409,20 @@ impl<S: Scalar> Patch<S> {
             1 => -self.spokes[0],
             _ => self.spokes[0] - self.spokes[1],
         };
-        let foot = to_opposite.dot(edge) / length2;
+        let side = &mut self.sides[k];
+        side.length2 = length2;
+        side.height = height;
+        side.foot = to_opposite.dot(edge) / length2;
+        side.lean = lean;
+        side.tilt = lean / height;
+    }
+
+    /// Sets how the guides turn and how the surface bends along a side.
+    fn bend_side(&mut self, k: usize, edge: Vector<S>, normals: [Vector<S>; 3], flags: PatchFlags) {
+        let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
+        let (first, second) = (normals[k], normals[next(k)]);
+        let (length, foot) = (self.sides[k].length2.sqrt(), self.sides[k].foot);
+        let sum = first + second;
         let centroid = (one + foot) * S::from_f64(1.0 / 3.0);
         let margin = S::from_f64(MIN_CENTROID_FOOT);
         let obtuse = !(margin < centroid && centroid < one - margin);
@@ -406,23 +437,16 @@ impl<S: Scalar> Patch<S> {
         let bend = [first.dot(edge) * two, -(second.dot(edge) * two)];
         let damped = flags.surface() == Surface::Smooth && !straight;
         let damping = (sum.dot(edge).abs() / length).lesser(S::from_f64(0.9));
-        Side {
-            length2,
-            height,
-            foot,
-            lean,
-            tilt: lean / height,
-            rise,
-            obtuse,
-            bend: if straight { [zero; 2] } else { bend },
-            damping: if damped {
-                damping * S::from_f64(4.0)
-            } else {
-                zero
-            },
-            correction: [zero; 3],
-            loose: [next(next(k)), next(k)].map(|other| !straight && flags.is_straight(other)),
-        }
+        let side = &mut self.sides[k];
+        side.rise = rise;
+        side.obtuse = obtuse;
+        side.bend = if straight { [zero; 2] } else { bend };
+        side.damping = if damped {
+            damping * S::from_f64(4.0)
+        } else {
+            zero
+        };
+        side.loose = [next(next(k)), next(k)].map(|other| !straight && flags.is_straight(other));
     }
 
     fn vertex(&self, i: usize, edges: [Vector<S>; 3], normal: Vector<S>) -> Vertex<S> {
@@ -433,7 +457,7 @@ impl<S: Scalar> Patch<S> {
             normal: normal.dot(self.normal),
             inward,
             between,
-            inverse_angle: S::from_f64(1.0) / Real::atan2(self.area2, between),
+            inverse_angle: S::from_f64(0.0),
         }
     }
 
@@ -477,6 +501,71 @@ impl<S: Scalar> Patch<S> {
             side.damping = zero;
             side.correction = [zero; 3];
         }
+    }
+}
+
+/// A patch's plane, side planes and slab: what tells most rays that they miss, for half of what the
+/// whole patch costs.
+#[derive(Clone, Copy, Debug)]
+pub struct Outline<'a, S> {
+    patch: Patch<S>,
+    edges: [Vector<S>; 3],
+    normals: [Vector<S>; 3],
+    record: &'a PatchRecord,
+}
+
+impl<'a, S: Scalar> Outline<'a, S> {
+    /// The outline of the patch of these vertices, from what [`Patch::record`] kept of it.
+    #[inline]
+    pub fn new(
+        positions: [Vector<S>; 3],
+        normals: [Vector<S>; 3],
+        record: &'a PatchRecord,
+    ) -> Self {
+        let mut patch = Patch::empty(positions[0]);
+        let edges = patch.lay_out(positions, normals);
+        patch.kind = record.kind;
+        patch.slab = record.slab.map(|z| S::from_f64(z.into()));
+        match record.kind {
+            PatchKind::Curved => patch.rule = Rule::of(record.flags.surface()),
+            PatchKind::Fallback => patch.rule = Rule::Angular,
+            PatchKind::Flat(reason) => patch.flatten(reason),
+            PatchKind::Degenerate => {}
+        }
+        Self {
+            patch,
+            edges: edges.unwrap_or(patch.gradients),
+            normals,
+            record,
+        }
+    }
+
+    /// Where the ray can meet the surface at all, in the valid lanes.
+    #[inline(always)]
+    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Segment<V> {
+        self.patch.clip(ray, valid)
+    }
+
+    /// The same as [`Patch::beyond`].
+    pub fn beyond(&self, ray: &Ray<S>, t: S) -> S {
+        self.patch.beyond(ray, t)
+    }
+
+    /// The whole patch.
+    #[inline]
+    pub fn complete(self) -> Patch<S> {
+        let mut patch = self.patch;
+        if patch.rule == Rule::Flat {
+            return patch;
+        }
+        patch.lay_surface(self.edges, self.normals, self.record.flags);
+        if patch.rule == Rule::Angular {
+            patch.set_angles();
+        }
+        for (side, kept) in patch.sides.iter_mut().zip(&self.record.correction) {
+            side.correction = kept.map(|c| S::from_f64(c.into()));
+        }
+        patch
     }
 }
 

@@ -3,7 +3,7 @@
 use super::dual::Dual;
 use super::guide::Foot;
 use super::patch::{Patch, Rule, next};
-use super::real::{Real, Scalar};
+use super::real::{Real, Scalar, inlined};
 use super::vector::{Vector, vector};
 
 /// How far from a vertex derivatives are taken at the least, in barycentric coordinates.
@@ -31,15 +31,15 @@ impl<S: Scalar> Patch<S> {
     /// median, where the guide field has a kink, they are those of one side.
     #[inline(always)]
     pub fn point<V: Real<Scalar = S>>(&self, u: V, v: V) -> SurfacePoint<V> {
-        let foot = self.foot_at::<V, V>([V::constant(1.0) - u - v, u, v]);
+        let foot = self.foot_at::<V, V>([u.constant(1.0) - u - v, u, v]);
         let h = self.height(&foot);
-        let [to_second, to_third] = self.spokes.map(Vector::<V>::splat);
+        let [to_second, to_third] = Vector::splat_both(u, self.spokes);
         let local = to_second * u + to_third * v + self.guide(&foot) * h;
         let [tangent_u, tangent_v] = self.tangents(u, v);
         let across = tangent_u.cross(tangent_v);
-        let size = V::splat(self.size);
+        let size = u.splat(self.size);
         SurfacePoint {
-            position: local * size + Vector::splat(self.origin),
+            position: local * size + Vector::splat(u, self.origin),
             tangent_u: tangent_u * size,
             tangent_v: tangent_v * size,
             normal: across.normalize(),
@@ -51,7 +51,7 @@ impl<S: Scalar> Patch<S> {
     #[inline(always)]
     pub fn normal_at<V: Real<Scalar = S>>(&self, u: V, v: V) -> Vector<V> {
         if self.rule == Rule::Flat {
-            return Vector::splat(self.normal * self.winding);
+            return Vector::splat(u, self.normal * self.winding);
         }
         let [tangent_u, tangent_v] = self.tangents(u, v);
         tangent_u.cross(tangent_v).normalize()
@@ -62,12 +62,12 @@ impl<S: Scalar> Patch<S> {
     /// [`Patch::plane_normal`] is 1.
     #[inline(always)]
     pub fn guide_at<V: Real<Scalar = S>>(&self, u: V, v: V) -> Vector<V> {
-        self.guide(&self.foot_at::<V, V>([V::constant(1.0) - u - v, u, v]))
+        self.guide(&self.foot_at::<V, V>([u.constant(1.0) - u - v, u, v]))
     }
 
     #[inline(always)]
     fn guide<V: Real<Scalar = S>>(&self, foot: &Foot<V, V>) -> Vector<V> {
-        Vector::splat(self.normal) + self.inward(foot) * foot.lean
+        Vector::splat(foot.lean, self.normal) + self.inward(foot) * foot.lean
     }
 
     /// Derivatives of the position by u and v, in units of the patch's size.
@@ -75,8 +75,13 @@ impl<S: Scalar> Patch<S> {
     fn tangents<V: Real<Scalar = S>>(&self, u: V, v: V) -> [Vector<V>; 2] {
         let (foot, h) = self.raised(off_vertex(u, v));
         let out = foot.lean * h;
-        let (normal, inward) = (Vector::splat(self.normal), self.inward(&foot));
-        [0, 1].map(|n| Vector::splat(self.spokes[n]) + normal * h.parts[n] + inward * out.parts[n])
+        let (normal, inward) = (Vector::splat(u, self.normal), self.inward(&foot));
+        let spokes = Vector::splat_both(u, self.spokes);
+        let tangent = inlined(
+            #[inline(always)]
+            |n: usize| spokes[n] + normal * h.parts[n] + inward * out.parts[n],
+        );
+        [tangent(0), tangent(1)]
     }
 
     /// The foot and the height over it, with their derivatives by u and v.
@@ -85,8 +90,8 @@ impl<S: Scalar> Patch<S> {
         let b2 = Dual::<V, 2>::variable(u, 0);
         let b3 = Dual::<V, 2>::variable(v, 1);
         let one = Dual {
-            value: V::constant(1.0),
-            parts: [V::constant(0.0); 2],
+            value: u.constant(1.0),
+            parts: [u.constant(0.0); 2],
         };
         let foot = self.foot_at::<V, _>([one - b2 - b3, b2, b3]);
         let h = self.height(&foot);
@@ -96,10 +101,13 @@ impl<S: Scalar> Patch<S> {
     /// The inward perpendicular of the foot's side.
     #[inline(always)]
     fn inward<V: Real<Scalar = S>, T>(&self, foot: &Foot<V, T>) -> Vector<V> {
-        let of = |component: fn(Vector<S>) -> S| {
-            foot.choice
-                .constant(|k| component(self.gradients[next(next(k))]) * self.sides[k].height)
-        };
+        let of = inlined(
+            #[inline(always)]
+            |component: fn(Vector<S>) -> S| {
+                foot.choice
+                    .constant(|k| component(self.gradients[next(next(k))]) * self.sides[k].height)
+            },
+        );
         vector(of(|g| g.x), of(|g| g.y), of(|g| g.z))
     }
 }
@@ -108,10 +116,10 @@ impl<S: Scalar> Patch<S> {
 /// the plane point, and with it the derivative, is undefined; its limit is the same from all sides.
 #[inline(always)]
 fn off_vertex<V: Real>(u: V, v: V) -> [V; 2] {
-    let trifle = V::constant(OFF_VERTEX);
-    let (third, one) = (V::constant(1.0 / 3.0), V::constant(1.0));
+    let trifle = u.constant(OFF_VERTEX);
+    let (third, one) = (u.constant(1.0 / 3.0), u.constant(1.0));
     let greatest = u.greater(v).greater(one - u - v);
     let near = (one - trifle).less(greatest);
-    let share = V::select(near, trifle, V::constant(0.0));
+    let share = V::select(near, trifle, u.constant(0.0));
     [u + (third - u) * share, v + (third - v) * share]
 }

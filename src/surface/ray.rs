@@ -2,7 +2,7 @@
 //! root is the hit.
 
 use super::patch::{Patch, Rule, next};
-use super::real::{Mask, Real, Scalar};
+use super::real::{Mask, Real, Scalar, inlined, three};
 use super::vector::Vector;
 
 /// A ray in the space of the patch's positions.
@@ -21,16 +21,16 @@ pub struct Ray<V> {
 /// A ray's way over a patch's plane, clipped to where the surface can be: the paper's options 1 to
 /// 5 are all this one interval (section 4.8).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Segment<V: Real> {
+pub struct Segment<V: Real> {
     /// Where the interval begins, in the ray's parameter.
-    pub start: V,
+    pub(super) start: V,
     /// Its length; the segment's own parameter runs from 0 to here.
-    pub length: V,
+    pub(super) length: V,
     /// Whether there is an interval at all.
-    pub alive: V::Mask,
+    pub(super) alive: V::Mask,
     /// How far beside a guide a point may lie and still count as on it, in units of the patch's
     /// size: what rounding of the ray comes to.
-    pub stray_room: V,
+    pub(super) stray_room: V,
     /// Length of the direction in units of the patch's size.
     speed: V,
     /// Barycentric coordinates of the vertical projection at the start, and their rates.
@@ -58,7 +58,7 @@ const RAY_EPSILONS: f64 = 4.0;
 #[inline(always)]
 fn guard<S: Scalar, V: Real<Scalar = S>>(patch: &Patch<S>, k: usize, distance: V) -> V {
     let ulps = S::EPSILON * S::from_f64(RAY_EPSILONS) / patch.sides[k].height;
-    distance * V::splat(ulps) + V::splat(S::EPSILON * S::from_f64(OVERLAP_EPSILONS))
+    distance * distance.splat(ulps) + distance.splat(S::EPSILON * S::from_f64(OVERLAP_EPSILONS))
 }
 
 #[inline(always)]
@@ -67,23 +67,31 @@ fn max_abs<V: Real>(v: Vector<V>) -> V {
 }
 
 impl<V: Real> Segment<V> {
-    /// The part of the ray between the three side planes and within the slab of heights.
+    /// Whether no lane's ray comes near the surface.
     #[inline(always)]
-    pub fn clip<S: Scalar>(patch: &Patch<S>, ray: &Ray<V>) -> Self
+    pub fn is_empty(&self) -> bool {
+        !self.alive.any()
+    }
+
+    /// The part of the ray between the three side planes and within the slab of heights; none in
+    /// lanes that are not valid.
+    #[inline(always)]
+    pub(super) fn clip<S: Scalar>(patch: &Patch<S>, ray: &Ray<V>, valid: V::Mask) -> Self
     where
         V: Real<Scalar = S>,
     {
-        let unit = V::splat(S::from_f64(1.0) / patch.size);
-        let from = (ray.origin - Vector::splat(patch.origin)) * unit;
+        let unit = ray.tnear.splat(S::from_f64(1.0) / patch.size);
+        let from = (ray.origin - Vector::splat(ray.tnear, patch.origin)) * unit;
         let along = ray.direction * unit;
         let mut segment = Self::unclipped(patch, from, along, ray.tnear, ray.tfar);
         let distance = max_abs(from);
-        segment.clip_to(patch, distance);
+        segment.clip_to(patch, distance, valid);
         // Begin anew at the entry: the steps along the ray are then small against its position.
         let entry = V::select(segment.alive, segment.start, ray.tnear);
         let local = Self::unclipped(patch, from + along * entry, along, entry, ray.tfar);
-        let epsilons = V::splat(S::EPSILON * S::from_f64(RAY_EPSILONS));
-        let stray_room = distance * epsilons + V::splat(S::EPSILON * S::from_f64(STRAY_EPSILONS));
+        let like = distance;
+        let epsilons = like.splat(S::EPSILON * S::from_f64(RAY_EPSILONS));
+        let stray_room = distance * epsilons + like.splat(S::EPSILON * S::from_f64(STRAY_EPSILONS));
         Self {
             start: entry,
             length: segment.length,
@@ -95,12 +103,12 @@ impl<V: Real> Segment<V> {
 
     /// The whole line, from the ray's origin on.
     #[cfg(test)]
-    pub fn unclipped_at_start<S: Scalar>(patch: &Patch<S>, ray: &Ray<V>) -> Self
+    pub(super) fn unclipped_at_start<S: Scalar>(patch: &Patch<S>, ray: &Ray<V>) -> Self
     where
         V: Real<Scalar = S>,
     {
-        let unit = V::splat(S::from_f64(1.0) / patch.size);
-        let from = (ray.origin - Vector::splat(patch.origin)) * unit;
+        let unit = ray.tnear.splat(S::from_f64(1.0) / patch.size);
+        let from = (ray.origin - Vector::splat(ray.tnear, patch.origin)) * unit;
         Self::unclipped(patch, from, ray.direction * unit, ray.tnear, ray.tfar)
     }
 
@@ -115,29 +123,33 @@ impl<V: Real> Segment<V> {
     where
         V: Real<Scalar = S>,
     {
-        let (zero, one) = (V::constant(0.0), V::constant(1.0));
-        let normal = Vector::<V>::splat(patch.normal);
+        let like = start;
+        let (zero, one) = (like.constant(0.0), like.constant(1.0));
+        let normal = Vector::splat(like, patch.normal);
         let (i, j, m) = (patch.base, next(patch.base), next(next(patch.base)));
         let corner = match i {
             0 => from,
-            _ => from - Vector::splat(patch.spokes[i - 1]),
+            _ => from - Vector::splat(like, patch.spokes[i - 1]),
         };
         let (across, base) = (
-            Vector::splat(patch.gradients[m]),
-            Vector::splat(patch.along_base),
+            Vector::splat(like, patch.gradients[m]),
+            Vector::splat(like, patch.along_base),
         );
-        let foot = V::splat(patch.sides[i].foot);
-        let coordinates = |b_m: V, x: V, sum: V| {
-            let mut b = [zero; 3];
-            b[m] = b_m;
-            b[j] = x - foot * b_m;
-            b[i] = sum - b[j] - b_m;
-            b
-        };
+        let foot = like.splat(patch.sides[i].foot);
+        let coordinates = inlined(
+            #[inline(always)]
+            |b_m: V, x: V, sum: V| {
+                let mut b = [zero; 3];
+                b[m] = b_m;
+                b[j] = x - foot * b_m;
+                b[i] = sum - b[j] - b_m;
+                b
+            },
+        );
         Self {
             start,
             length: end,
-            alive: V::Mask::splat(true),
+            alive: like.mask(true),
             stray_room: zero,
             speed: along.length(),
             b: coordinates(across.dot(corner), base.dot(corner), one),
@@ -149,24 +161,28 @@ impl<V: Real> Segment<V> {
 
     /// Sets `start`, `length` and `alive`, all still in the ray's parameter from its origin.
     #[inline(always)]
-    fn clip_to<S: Scalar>(&mut self, patch: &Patch<S>, distance: V)
+    fn clip_to<S: Scalar>(&mut self, patch: &Patch<S>, distance: V, valid: V::Mask)
     where
         V: Real<Scalar = S>,
     {
         let (mut lo, mut hi) = (self.start, self.length);
-        let mut alive = V::Mask::splat(true);
-        let mut keep = |value: V, rate: V| {
-            // Where value + rate t >= 0.
-            let zero = V::constant(0.0);
-            let crossing = -(value / rate);
-            lo = V::select(zero.less(rate), crossing, lo).greater(lo);
-            hi = V::select(rate.less(zero), crossing, hi).lesser(hi);
-            let moves = zero.less(rate) | rate.less(zero);
-            alive = alive & (moves | zero.at_most(value));
-        };
+        let like = distance;
+        let mut alive = valid;
+        let mut keep = inlined(
+            #[inline(always)]
+            |value: V, rate: V| {
+                // Where value + rate t >= 0.
+                let zero = rate.constant(0.0);
+                let crossing = -(value / rate);
+                lo = V::select(zero.less(rate), crossing, lo).greater(lo);
+                hi = V::select(rate.less(zero), crossing, hi).lesser(hi);
+                let moves = zero.less(rate) | rate.less(zero);
+                alive = alive & (moves | zero.at_most(value));
+            },
+        );
         for (k, side) in patch.sides.iter().enumerate() {
             let m = next(next(k));
-            let tilt = V::splat(side.tilt);
+            let tilt = like.splat(side.tilt);
             let guard = guard(patch, k, distance);
             keep(
                 self.b[m] - tilt * self.z + guard,
@@ -175,8 +191,8 @@ impl<V: Real> Segment<V> {
         }
         // A flat triangle's slab has no thickness: there the crossing of its plane decides.
         if patch.rule != Rule::Flat {
-            let room = V::splat(S::EPSILON * S::from_f64(RAY_EPSILONS)) * distance;
-            let [zmin, zmax] = patch.slab.map(V::splat);
+            let room = like.splat(S::EPSILON * S::from_f64(RAY_EPSILONS)) * distance;
+            let [zmin, zmax] = [like.splat(patch.slab[0]), like.splat(patch.slab[1])];
             keep(self.z - zmin + room, self.z_rate);
             keep(zmax - self.z + room, -self.z_rate);
         }
@@ -187,44 +203,47 @@ impl<V: Real> Segment<V> {
 
     /// The tolerance at which a root is as good as the precision allows, in the segment's parameter.
     #[inline(always)]
-    pub fn tolerance(&self) -> V {
-        let epsilon = V::splat(V::Scalar::EPSILON);
-        epsilon / self.speed + epsilon * V::constant(0.25) * self.start.abs()
+    pub(super) fn tolerance(&self) -> V {
+        let epsilon = self.speed.splat(V::Scalar::EPSILON);
+        epsilon / self.speed + epsilon * epsilon.constant(0.25) * self.start.abs()
     }
 
     /// What a steep surface may rise within a step of this width of the segment's parameter, in
     /// units of the patch's size.
     #[inline(always)]
-    pub fn steps(&self, width: V) -> V {
-        width * self.speed * V::constant(STEEPEST)
+    pub(super) fn steps(&self, width: V) -> V {
+        width * self.speed * width.constant(STEEPEST)
     }
 
     /// Begins the segment anew a little beyond `at`.
     #[inline(always)]
-    pub fn skip_to(&mut self, at: V) {
-        let at = at + self.tolerance() * V::constant(16.0);
+    pub(super) fn skip_to(&mut self, at: V) {
+        let at = at + self.tolerance() * at.constant(16.0);
         self.b = self.projection(at);
         self.z = self.z(at);
         self.start = self.start + at;
         self.length = self.length - at;
-        self.alive = self.alive & V::constant(0.0).less(self.length);
+        self.alive = self.alive & at.constant(0.0).less(self.length);
     }
 
     /// Height over the plane at the segment's parameter.
     #[inline(always)]
-    pub fn z(&self, at: V) -> V {
+    pub(super) fn z(&self, at: V) -> V {
         self.z + self.z_rate * at
     }
 
     /// Barycentric coordinates of the vertical projection at the segment's parameter.
     #[inline(always)]
-    pub fn projection(&self, at: V) -> [V; 3] {
-        [0, 1, 2].map(|i| self.b[i] + self.b_rate[i] * at)
+    pub(super) fn projection(&self, at: V) -> [V; 3] {
+        three(
+            #[inline(always)]
+            |i| self.b[i] + self.b_rate[i] * at,
+        )
     }
 
     /// Where the ray crosses the triangle's plane, in the segment's parameter.
     #[inline(always)]
-    pub fn plane_crossing(&self) -> V {
+    pub(super) fn plane_crossing(&self) -> V {
         -(self.z / self.z_rate)
     }
 }

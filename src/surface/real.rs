@@ -1,4 +1,4 @@
-//! The numbers the kernel is written over: one source for `f32`, `f64` and, later, SIMD lanes.
+//! The numbers the kernel is written over: one source for `f32`, `f64` and SIMD lanes.
 //!
 //! Three layers, because a patch, a ray and a derivative are different kinds of number:
 //! - [`Scalar`]: `f32` or `f64`, what a patch's constants are made of;
@@ -8,12 +8,28 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
+/// Three values, of a function of 0, 1 and 2.
+///
+/// In place of `map`: code for SIMD lanes is only good where all of it is inlined, and the standard
+/// library's own loops need not be.
+#[inline(always)]
+pub(super) fn three<T>(of: impl Fn(usize) -> T) -> [T; 3] {
+    [of(0), of(1), of(2)]
+}
+
+/// The closure itself: the language takes the mark that a closure is to be inlined, which those on
+/// lanes need, only where it is an argument.
+#[inline(always)]
+pub(super) fn inlined<F>(closure: F) -> F {
+    closure
+}
+
 /// The answer of a comparison, one truth value a lane.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
-    /// The same truth value in every lane.
-    fn splat(value: bool) -> Self;
     /// Whether any lane holds.
     fn any(self) -> bool;
+    /// How many lanes hold.
+    fn count(self) -> u32;
     /// Whether every lane holds.
     fn all(self) -> bool {
         !(!self).any()
@@ -22,12 +38,12 @@ pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output
 
 impl Mask for bool {
     #[inline(always)]
-    fn splat(value: bool) -> Self {
-        value
-    }
-    #[inline(always)]
     fn any(self) -> bool {
         self
+    }
+    #[inline(always)]
+    fn count(self) -> u32 {
+        u32::from(self)
     }
 }
 
@@ -53,14 +69,19 @@ impl<T> Arithmetic for T where
 }
 
 /// One value, or one a lane.
+///
+/// SIMD lanes exist only where the processor was found to have them, and each value is the proof of
+/// that; so constants are made from a value of the same lanes at hand, whatever it holds.
 pub trait Real: Arithmetic {
     /// One truth value a lane.
     type Mask: Mask;
     /// What one lane holds.
     type Scalar: Scalar;
 
-    /// The same value in every lane.
-    fn splat(value: Self::Scalar) -> Self;
+    /// This value in every lane, as many as `self` has.
+    fn splat(self, value: Self::Scalar) -> Self;
+    /// This truth value in every lane, as many as `self` has.
+    fn mask(self, value: bool) -> Self::Mask;
     /// `self < other`, lane by lane; false where either is NaN.
     fn less(self, other: Self) -> Self::Mask;
     /// `self <= other`, lane by lane; false where either is NaN.
@@ -76,8 +97,13 @@ pub trait Real: Arithmetic {
 
     /// The same constant in every lane, rounded to the lanes' precision.
     #[inline(always)]
-    fn constant(value: f64) -> Self {
-        Self::splat(Self::Scalar::from_f64(value))
+    fn constant(self, value: f64) -> Self {
+        self.splat(Self::Scalar::from_f64(value))
+    }
+    /// Calls a function whose code is better not copied to each place that calls it.
+    #[inline(always)]
+    fn apart<T>(self, call: impl FnOnce() -> T) -> T {
+        call()
     }
     /// The lesser of the two; `other` where `self` is NaN.
     #[inline(always)]
@@ -112,13 +138,17 @@ pub trait Scalar: Real<Scalar = Self, Mask = bool> + PartialOrd + std::fmt::Debu
 }
 
 macro_rules! scalar {
-    ($float:ident, $huge:expr, $exponent_bits:expr) => {
+    ($float:ident, $huge:expr, $exponent_bits:expr, $atan2:expr) => {
         impl Real for $float {
             type Mask = bool;
             type Scalar = $float;
 
             #[inline(always)]
-            fn splat(value: $float) -> Self {
+            fn splat(self, value: $float) -> Self {
+                value
+            }
+            #[inline(always)]
+            fn mask(self, value: bool) -> bool {
                 value
             }
             #[inline(always)]
@@ -143,7 +173,7 @@ macro_rules! scalar {
             }
             #[inline(always)]
             fn atan2(self, x: Self) -> Self {
-                $float::atan2(self, x)
+                $atan2(self, x)
             }
         }
 
@@ -171,8 +201,42 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f32, 1e30, 0x7f80_0000);
-scalar!(f64, 1e200, 0x7ff0_0000_0000_0000);
+scalar!(f32, 1e30, 0x7f80_0000, atan2);
+scalar!(f64, 1e200, 0x7ff0_0000_0000_0000, f64::atan2);
+
+/// `atan(a) / a` for `a` in [0, 1] as a polynomial in the square of `a`, highest power first, within
+/// 2e-8: Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.49.
+const ARC_TANGENT: [f64; 9] = [
+    0.0028662257,
+    -0.0161657367,
+    0.0429096138,
+    -0.0752896400,
+    0.1065626393,
+    -0.1420889944,
+    0.1999355085,
+    -0.3333314528,
+    1.0,
+];
+
+/// [`Real::atan2`] to the precision of `f32`, of the same operations in every lane.
+#[inline(always)]
+pub(super) fn atan2<V: Real>(y: V, x: V) -> V {
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let (zero, one) = (x.constant(0.0), x.constant(1.0));
+    let (ahead, aside) = (x.abs(), y.abs());
+    let (near, far) = (ahead.lesser(aside), ahead.greater(aside));
+    let ratio = near / V::select(zero.less(far), far, one);
+    let square = ratio * ratio;
+    let [first, rest @ ..] = ARC_TANGENT;
+    let mut sum = x.constant(first);
+    for c in rest {
+        sum = sum * square + x.constant(c);
+    }
+    let angle = ratio * sum;
+    let angle = V::select(ahead.less(aside), x.constant(FRAC_PI_2) - angle, angle);
+    let angle = V::select(x.less(zero), x.constant(PI) - angle, angle);
+    V::select(y.less(zero), -angle, angle)
+}
 
 /// A [`Real`] that may carry partial derivatives.
 ///
@@ -238,6 +302,19 @@ mod tests {
             assert_eq!((value / power) * power, value);
         }
         assert_eq!(5.0f64.power_of_two(), 4.0);
+    }
+
+    #[test]
+    fn the_angle_is_right_all_around() {
+        for n in 0..10_000 {
+            let angle = (f64::from(n) / 5_000.0 - 1.0) * std::f64::consts::PI;
+            let radius = 10f64.powi(n % 20 - 10);
+            let (x, y) = ((radius * angle.cos()) as f32, (radius * angle.sin()) as f32);
+            let exact = f64::from(y).atan2(f64::from(x));
+            let error = (f64::from(Real::atan2(y, x)) - exact).abs();
+            assert!(error < 3e-7, "{x} {y}: {error:e}");
+        }
+        assert_eq!(Real::atan2(0.0f32, 0.0), 0.0);
     }
 
     #[test]

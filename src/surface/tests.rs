@@ -6,24 +6,24 @@ use proptest::prelude::*;
 use super::ray::Segment;
 use super::*;
 
-type V = Vector<f64>;
+pub(super) type V = Vector<f64>;
 
 /// splitmix64: random numbers that are the same everywhere.
-struct Random(u64);
+pub(super) struct Random(pub u64);
 
 impl Random {
-    fn unit(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
     }
-    fn between(&mut self, lo: f64, hi: f64) -> f64 {
+    pub fn between(&mut self, lo: f64, hi: f64) -> f64 {
         lo + (hi - lo) * self.unit()
     }
     /// Barycentric u, v of a point of the triangle.
-    fn inside(&mut self) -> [f64; 2] {
+    pub fn inside(&mut self) -> [f64; 2] {
         let (u, v) = (self.unit(), self.unit());
         if u + v > 1.0 {
             [1.0 - u, 1.0 - v]
@@ -31,7 +31,7 @@ impl Random {
             [u, v]
         }
     }
-    fn direction(&mut self) -> V {
+    pub fn direction(&mut self) -> V {
         loop {
             let v = [0; 3].map(|_| self.between(-1.0, 1.0));
             let v = vector(v[0], v[1], v[2]);
@@ -42,7 +42,7 @@ impl Random {
     }
     /// A triangle of about unit size with normals tilted by up to `tilt` degrees, `flatness` from
     /// 0 (near equilateral) to 1 (thin or very obtuse), all numbers exact in `f32`.
-    fn triangle(&mut self, tilt: f64, flatness: f64) -> ([V; 3], [V; 3]) {
+    pub fn triangle(&mut self, tilt: f64, flatness: f64) -> ([V; 3], [V; 3]) {
         let squash = 1.0 - 0.97 * flatness * self.unit();
         let turn = self.between(0.0, 6.3);
         let wobble: [f64; 3] = std::array::from_fn(|_| self.between(-0.4, 0.4));
@@ -63,11 +63,11 @@ impl Random {
     }
 }
 
-fn in_f32(v: V) -> V {
+pub(super) fn in_f32(v: V) -> V {
     Vector::<f32>::from_f64(v).to_f64()
 }
 
-fn rounded(p: [V; 3]) -> [Vector<f32>; 3] {
+pub(super) fn rounded(p: [V; 3]) -> [Vector<f32>; 3] {
     p.map(Vector::<f32>::from_f64)
 }
 
@@ -231,7 +231,7 @@ fn normals_at_the_vertices_are_the_given_ones() {
 /// Where a ray first meets a patch, by sampling it densely.
 fn dense_first_root(patch: &Patch<f64>, ray: &Ray<f64>) -> Option<f64> {
     const PARTS: usize = 2000;
-    let segment = Segment::clip(patch, ray);
+    let segment = patch.clip(ray, true);
     let f = |at: f64| {
         let z = segment.z(at);
         z - patch.height(&patch.foot_under(segment.projection(at), z))

@@ -49,15 +49,21 @@ impl<R: Real> Vector<R> {
     pub fn length(self) -> R {
         self.dot(self).sqrt()
     }
-    /// The same scalar vector in every lane.
+    /// The same scalar vector in every lane of a value like this one.
     #[inline(always)]
-    pub fn splat(v: Vector<R::Scalar>) -> Self {
-        vector(R::splat(v.x), R::splat(v.y), R::splat(v.z))
+    pub fn splat(like: R, v: Vector<R::Scalar>) -> Self {
+        vector(like.splat(v.x), like.splat(v.y), like.splat(v.z))
+    }
+    /// The same two scalar vectors in every lane of a value like this one.
+    #[inline(always)]
+    pub(super) fn splat_both(like: R, [a, b]: [Vector<R::Scalar>; 2]) -> [Self; 2] {
+        [Self::splat(like, a), Self::splat(like, b)]
     }
     /// The vector of length 1 in this direction; not finite for the zero vector.
     #[inline(always)]
     pub fn normalize(self) -> Self {
-        self * (R::constant(1.0) / self.length())
+        let length = self.length();
+        self * (length.constant(1.0) / length)
     }
 }
 

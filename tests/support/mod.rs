@@ -164,7 +164,7 @@ pub fn closed_bodies() -> Vec<Body> {
     let mut bodies = made_bodies();
     bodies.extend(real_meshes(&real));
     bodies.retain(|body| {
-        let counts = Topology::new(&body.mesh).counts().clone();
+        let counts = *Topology::new(&body.mesh).counts();
         if !counts.is_closed() {
             println!(
                 "skipped, because it is not closed: {} {counts:?}",

@@ -1,0 +1,186 @@
+//! Nanoseconds of one kernel call: one triangle of a finely cut torus against rays that hit it,
+//! that its clip rejects, and that pass between its slab and its surface.
+//!
+//! Run with `cargo bench --bench kernel`; every figure is for one call, so one of a packet is for
+//! sixteen rays.
+
+use curvetri::surface::{
+    Outline, Patch, PatchFlags, PatchRecord, Ray, RayLanes, Solver, Surface, Vector, vector,
+};
+use divan::{Bencher, black_box};
+
+fn main() {
+    divan::main();
+}
+
+/// What becomes of a ray.
+#[derive(Clone, Copy, Debug)]
+enum Fate {
+    Hit,
+    ClipMiss,
+    RootMiss,
+}
+
+const FATES: [Fate; 3] = [Fate::Hit, Fate::ClipMiss, Fate::RootMiss];
+const SURFACES: [Surface; 3] = Surface::ALL;
+/// Rays of each fate; a power of two.
+const RAYS: usize = 256;
+
+struct Triangle {
+    positions: [Vector<f32>; 3],
+    normals: [Vector<f32>; 3],
+    record: PatchRecord,
+}
+
+impl Triangle {
+    /// A triangle of a torus of radii 1 and 1/4, cut into 48 by 64 quadrangles, on its outer side.
+    fn new(surface: Surface) -> Self {
+        let corner = |around: f32, tube: f32| {
+            let normal = vector(
+                tube.cos() * around.cos(),
+                tube.cos() * around.sin(),
+                tube.sin(),
+            );
+            let ring = vector(around.cos(), around.sin(), 0.0);
+            (ring + normal * 0.25, normal)
+        };
+        let (step, turn) = (std::f32::consts::TAU / 64.0, std::f32::consts::TAU / 48.0);
+        let corners = [
+            corner(0.3, 0.2),
+            corner(0.3 + step, 0.2),
+            corner(0.3, 0.2 + turn),
+        ];
+        let (positions, normals) = (corners.map(|c| c.0), corners.map(|c| c.1));
+        let flags = PatchFlags::new(surface);
+        let record = Patch::new(positions, normals, flags).record(flags);
+        Self {
+            positions,
+            normals,
+            record,
+        }
+    }
+
+    fn outline(&self) -> Outline<'_, f32> {
+        Outline::new(
+            black_box(self.positions),
+            black_box(self.normals),
+            black_box(&self.record),
+        )
+    }
+
+    /// Rays of one fate, from about one unit away.
+    fn rays(&self, fate: Fate) -> Vec<Ray<f32>> {
+        let patch = self.outline().complete();
+        let mut state = 1u64;
+        let mut unit = || {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (state >> 40) as f32 / (1u64 << 24) as f32
+        };
+        let mut rays = Vec::new();
+        while rays.len() < RAYS {
+            let target = patch.point(unit() * 1.6 - 0.3, unit() * 1.6 - 0.3).position;
+            let mut aside = || vector(unit() - 0.5, unit() - 0.5, unit() - 0.5);
+            let direction = (aside() * 1.6 - patch.plane_normal()).normalize();
+            let target = target + aside() * (patch.size() * 0.02);
+            let ray = Ray {
+                origin: target - direction,
+                direction,
+                tnear: 0.0,
+                tfar: f32::INFINITY,
+            };
+            let near = !patch.clip(&ray, true).is_empty();
+            let found = patch.intersect(&ray, Solver::default()).found;
+            let wanted = match fate {
+                Fate::Hit => found,
+                Fate::ClipMiss => !near,
+                Fate::RootMiss => near && !found,
+            };
+            if wanted {
+                rays.push(ray);
+            }
+        }
+        rays
+    }
+}
+
+/// The whole call of a single ray, as the callback makes it.
+#[divan::bench(args = FATES)]
+fn single(bencher: Bencher<'_, '_>, fate: Fate) {
+    let triangle = Triangle::new(Surface::Smooth);
+    let rays = triangle.rays(fate);
+    let mut n = 0;
+    bencher.bench_local(|| {
+        n = (n + 1) % RAYS;
+        let ray = black_box(&rays[n]);
+        let outline = triangle.outline();
+        let segment = outline.clip(ray, true);
+        if segment.is_empty() {
+            return None;
+        }
+        let patch = outline.complete();
+        let hit = patch.intersect_within(&segment, ray, Solver::default());
+        hit.found.then(|| (hit.t, patch.normal_at(hit.u, hit.v)))
+    });
+}
+
+/// The whole call of sixteen rays.
+#[divan::bench(args = FATES)]
+fn packet_of_16(bencher: Bencher<'_, '_>, fate: Fate) {
+    let triangle = Triangle::new(Surface::Smooth);
+    let rays = triangle.rays(fate);
+    let column = |of: fn(&Ray<f32>) -> f32| rays.iter().map(of).collect::<Vec<_>>();
+    let origin = [
+        column(|r| r.origin.x),
+        column(|r| r.origin.y),
+        column(|r| r.origin.z),
+    ];
+    let direction = [
+        column(|r| r.direction.x),
+        column(|r| r.direction.y),
+        column(|r| r.direction.z),
+    ];
+    let (tnear, tfar) = (column(|r| r.tnear), column(|r| r.tfar));
+    let mut n = 0;
+    bencher.bench_local(|| {
+        n = (n + 16) % RAYS;
+        let packet = RayLanes {
+            origin: origin.each_ref().map(|x| &x[n..n + 16]),
+            direction: direction.each_ref().map(|x| &x[n..n + 16]),
+            tnear: &tnear[n..n + 16],
+            tfar: &tfar[n..n + 16],
+        };
+        triangle
+            .outline()
+            .intersect_packet(black_box(&packet), 0xffff, Solver::default(), true)
+    });
+}
+
+/// One evaluation of F for one ray.
+#[divan::bench(args = SURFACES)]
+fn evaluation(bencher: Bencher<'_, '_>, surface: Surface) {
+    let triangle = Triangle::new(surface);
+    let rays = triangle.rays(Fate::Hit);
+    let patch = triangle.outline().complete();
+    let segments: Vec<_> = rays.iter().map(|ray| patch.clip(ray, true)).collect();
+    let mut n = 0;
+    bencher.bench_local(|| {
+        n = (n + 1) % RAYS;
+        black_box(&patch).clearance(black_box(&segments[n]), black_box(1e-3))
+    });
+}
+
+/// The patch from what is kept of it: half of it for the clip, and the whole.
+#[divan::bench(args = [false, true])]
+fn set_up(bencher: Bencher<'_, '_>, whole: bool) {
+    let triangle = Triangle::new(Surface::Smooth);
+    bencher.bench_local(|| {
+        let outline = triangle.outline();
+        if whole {
+            black_box(outline.complete());
+        } else {
+            black_box(outline);
+        }
+    });
+}

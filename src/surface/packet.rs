@@ -1,0 +1,178 @@
+//! A packet of rays against one patch, on SIMD lanes: the kernel's one source over [`Lanes`], for
+//! whatever instruction set the processor turns out to have.
+
+use fearless_simd::{Level, dispatch, prelude::*};
+
+use super::hit::Solver;
+use super::lanes::{LaneMask, Lanes};
+use super::patch::Outline;
+use super::ray::Ray;
+use super::real::inlined;
+use super::vector::{Vector, vector};
+
+/// Most rays of a packet.
+pub const MAX_LANES: usize = 16;
+
+/// Up to 16 rays, one slice a component, all of the same length.
+#[derive(Clone, Copy, Debug)]
+pub struct RayLanes<'a> {
+    /// Where `t = 0`: x, y and z.
+    pub origin: [&'a [f32]; 3],
+    /// The way for one unit of `t`: x, y and z.
+    pub direction: [&'a [f32]; 3],
+    /// Least parameters of a hit.
+    pub tnear: &'a [f32],
+    /// Greatest parameters of a hit.
+    pub tfar: &'a [f32],
+}
+
+/// Where the rays of a packet meet the surface first.
+#[derive(Clone, Copy, Debug)]
+pub struct HitLanes {
+    /// The lanes that do, one bit a lane; the other fields are undefined elsewhere.
+    pub found: u32,
+    /// The rays' parameters.
+    pub t: [f32; MAX_LANES],
+    /// `b2` at the guides' feet.
+    pub u: [f32; MAX_LANES],
+    /// `b3` at the guides' feet.
+    pub v: [f32; MAX_LANES],
+    /// The surface's own geometric normals, unit, x, y and z; only where asked for.
+    pub normal: [[f32; MAX_LANES]; 3],
+    /// How often the surface was evaluated, the sum over the lanes.
+    pub evaluations: u32,
+}
+
+/// What is asked of a packet.
+#[derive(Clone, Copy, Debug)]
+struct Asked {
+    valid: u32,
+    solver: Solver,
+    normals: bool,
+}
+
+impl Outline<'_, f32> {
+    /// The first hits with `tnear < t <= tfar` of the lanes of `valid` (one bit a lane), with the
+    /// surface's normals there if `normals`.
+    ///
+    /// Every lane's answer is bit for bit that of [`Patch::intersect`](super::Patch::intersect) and
+    /// [`Patch::normal_at`](super::Patch::normal_at) for its ray alone. Lanes that are not valid may
+    /// hold anything.
+    ///
+    /// # Panics
+    /// If the slices differ in length, or there are more than 16 rays.
+    pub fn intersect_packet(
+        &self,
+        rays: &RayLanes<'_>,
+        valid: u32,
+        solver: Solver,
+        normals: bool,
+    ) -> HitLanes {
+        self.intersect_packet_at(Level::new(), rays, valid, solver, normals)
+    }
+
+    /// The same with the instructions of one level.
+    pub(super) fn intersect_packet_at(
+        &self,
+        level: Level,
+        rays: &RayLanes<'_>,
+        valid: u32,
+        solver: Solver,
+        normals: bool,
+    ) -> HitLanes {
+        assert!(rays.tnear.len() <= MAX_LANES, "a packet has up to 16 rays");
+        let there = u32::MAX >> (u32::BITS as usize - MAX_LANES) >> (MAX_LANES - rays.tnear.len());
+        let asked = Asked {
+            // The lanes of a register beyond the packet hold no ray.
+            valid: valid & there,
+            solver,
+            normals,
+        };
+        let mut hits = HitLanes {
+            found: 0,
+            t: [0.0; MAX_LANES],
+            u: [0.0; MAX_LANES],
+            v: [0.0; MAX_LANES],
+            normal: [[0.0; MAX_LANES]; 3],
+            evaluations: 0,
+        };
+        dispatch!(level, simd => trace(simd, self, rays, asked, &mut hits));
+        hits
+    }
+}
+
+/// A register's lanes at a time.
+#[inline(always)]
+fn trace<S: Simd>(
+    simd: S,
+    outline: &Outline<'_, f32>,
+    rays: &RayLanes<'_>,
+    asked: Asked,
+    hits: &mut HitLanes,
+) {
+    let mut patch = None;
+    for first in (0..rays.tnear.len()).step_by(S::f32s::LEN) {
+        let valid = S::mask32s::from_bitmask(simd, u64::from(asked.valid >> first));
+        let ray = load_ray(simd, rays, first);
+        let segment = outline.clip(&ray, LaneMask(valid));
+        if segment.is_empty() {
+            continue;
+        }
+        let patch = patch.get_or_insert_with(|| outline.complete());
+        let hit = patch.intersect_within(&segment, &ray, asked.solver);
+        hits.evaluations += hit.evaluations;
+        let found = hit.found.0.to_bitmask() as u32;
+        if found == 0 {
+            continue;
+        }
+        hits.found |= found << first;
+        store(hit.t, &mut hits.t, first);
+        store(hit.u, &mut hits.u, first);
+        store(hit.v, &mut hits.v, first);
+        if asked.normals {
+            let normal = patch.normal_at(hit.u, hit.v);
+            store(normal.x, &mut hits.normal[0], first);
+            store(normal.y, &mut hits.normal[1], first);
+            store(normal.z, &mut hits.normal[2], first);
+        }
+    }
+}
+
+#[inline(always)]
+fn load_ray<S: Simd>(simd: S, rays: &RayLanes<'_>, first: usize) -> Ray<Lanes<S>> {
+    let load_vector = inlined(
+        #[inline(always)]
+        |[x, y, z]: [&[f32]; 3]| -> Vector<Lanes<S>> {
+            vector(
+                load(simd, x, first),
+                load(simd, y, first),
+                load(simd, z, first),
+            )
+        },
+    );
+    Ray {
+        origin: load_vector(rays.origin),
+        direction: load_vector(rays.direction),
+        tnear: load(simd, rays.tnear, first),
+        tfar: load(simd, rays.tfar, first),
+    }
+}
+
+/// A register's lanes from `first` on; zeros beyond the end.
+#[inline(always)]
+fn load<S: Simd>(simd: S, from: &[f32], first: usize) -> Lanes<S> {
+    let rest = &from[first..];
+    Lanes(match rest.get(..S::f32s::LEN) {
+        Some(lanes) => S::f32s::from_slice(simd, lanes),
+        None => {
+            let mut lanes = [0.0; MAX_LANES];
+            lanes[..rest.len()].copy_from_slice(rest);
+            S::f32s::from_slice(simd, &lanes[..S::f32s::LEN])
+        }
+    })
+}
+
+#[inline(always)]
+fn store<S: Simd>(lanes: Lanes<S>, to: &mut [f32; MAX_LANES], first: usize) {
+    lanes.0.store_slice(&mut to[first..][..S::f32s::LEN]);
+}

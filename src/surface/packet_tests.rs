@@ -1,0 +1,182 @@
+//! Packets against single rays: every lane bit for bit, at every level this machine has.
+
+use fearless_simd::Level;
+
+use super::tests::{Random, V, rounded};
+use super::*;
+
+/// Every instruction set this machine has, best first.
+fn levels() -> Vec<Level> {
+    use fearless_simd::Simd;
+    let best = Level::new();
+    #[cfg(target_arch = "x86_64")]
+    let further = [
+        best.as_avx2().map(Simd::level),
+        best.as_sse4_2().map(Simd::level),
+        best.as_sse2().map(Simd::level),
+    ];
+    #[cfg(not(target_arch = "x86_64"))]
+    let further = [Some(Level::baseline())];
+    std::iter::once(best)
+        .chain(further.into_iter().flatten())
+        .collect()
+}
+
+/// A patch's own vertices and what is kept of it.
+struct Corners {
+    positions: [Vector<f32>; 3],
+    normals: [Vector<f32>; 3],
+    record: PatchRecord,
+}
+
+impl Corners {
+    fn new(p: [V; 3], n: [V; 3], flags: PatchFlags) -> Self {
+        let (positions, normals) = (rounded(p), rounded(n));
+        let record = Patch::new(positions, normals, flags).record(flags);
+        Self {
+            positions,
+            normals,
+            record,
+        }
+    }
+    fn outline(&self) -> Outline<'_, f32> {
+        Outline::new(self.positions, self.normals, &self.record)
+    }
+    fn patch(&self) -> Patch<f32> {
+        Patch::from_record(self.positions, self.normals, &self.record)
+    }
+}
+
+/// Rays that hit, graze, pass the patch by, end before it, or are not numbers.
+fn odd_ray(random: &mut Random, patch: &Patch<f32>) -> Ray<f32> {
+    let [u, v] = random.inside();
+    let size = f64::from(patch.size());
+    let beside = random.direction() * (size * 0.5 * random.unit() * random.unit());
+    let target = patch.point(u as f32, v as f32).position.to_f64() + beside;
+    let away = random.between(0.1, 20.0);
+    let direction = random.direction() * random.between(0.3, 3.0);
+    let mut ray = Ray {
+        origin: Vector::from_f64(target - direction * (size * away)),
+        direction: Vector::<f32>::from_f64(direction * size),
+        tnear: 0.0,
+        tfar: f32::INFINITY,
+    };
+    match (random.unit() * 12.0) as u32 {
+        0 => ray.tfar = away as f32 * 0.8,
+        1 => ray.tnear = away as f32 * 1.2,
+        2 => ray.tfar = away as f32,
+        3 => ray.origin.x = f32::NAN,
+        4 => ray.direction = ray.direction * 0.0,
+        _ => {}
+    }
+    ray
+}
+
+fn solvers() -> [Solver; 3] {
+    [
+        Solver::default(),
+        Solver::Finish { parts: 3 },
+        Solver::Ita { bits: 24, step: 3 },
+    ]
+}
+
+/// Checks every lane of a packet at every level; gives how many hits and misses there were.
+fn check(corners: &Corners, rays: &[Ray<f32>], valid: u32, solver: Solver) -> [usize; 2] {
+    let column = |of: fn(&Ray<f32>) -> f32| -> Vec<f32> { rays.iter().map(of).collect() };
+    let (o, d) = (
+        [
+            column(|ray| ray.origin.x),
+            column(|ray| ray.origin.y),
+            column(|ray| ray.origin.z),
+        ],
+        [
+            column(|ray| ray.direction.x),
+            column(|ray| ray.direction.y),
+            column(|ray| ray.direction.z),
+        ],
+    );
+    let packet = RayLanes {
+        origin: o.each_ref().map(Vec::as_slice),
+        direction: d.each_ref().map(Vec::as_slice),
+        tnear: &column(|ray| ray.tnear),
+        tfar: &column(|ray| ray.tfar),
+    };
+    let patch = corners.patch();
+    let outline = corners.outline();
+    let mut count = [0; 2];
+    for level in levels() {
+        let hits = outline.intersect_packet_at(level, &packet, valid, solver, true);
+        let mut evaluations = 0;
+        for (lane, ray) in rays.iter().enumerate() {
+            let found = hits.found >> lane & 1 != 0;
+            if valid >> lane & 1 == 0 {
+                assert!(!found, "{level:?} {solver:?}: lane {lane} is not valid");
+                continue;
+            }
+            let single = patch.intersect(ray, solver);
+            evaluations += single.evaluations;
+            let what = format!("{level:?} {solver:?} lane {lane} {ray:?} {single:?}");
+            assert_eq!(found, single.found, "{what}");
+            count[usize::from(!found)] += 1;
+            if found {
+                let ng = patch.normal_at(single.u, single.v);
+                let lane_of = |of: &[f32; 16]| of[lane].to_bits();
+                let bits = |v: f32| v.to_bits();
+                assert_eq!(lane_of(&hits.t), bits(single.t), "t: {what}");
+                assert_eq!(lane_of(&hits.u), bits(single.u), "u: {what}");
+                assert_eq!(lane_of(&hits.v), bits(single.v), "v: {what}");
+                let normal = hits.normal.each_ref().map(lane_of);
+                assert_eq!(normal, ng.to_array().map(bits), "ng: {what}");
+            }
+        }
+        assert_eq!(hits.evaluations, evaluations, "{level:?} {solver:?}");
+    }
+    count
+}
+
+#[test]
+fn every_lane_is_its_ray_alone() {
+    let mut random = Random(11);
+    let mut counts = [0; 2];
+    for surface in Surface::ALL {
+        for (tilt, flatness) in [(15.0, 0.3), (40.0, 0.8), (70.0, 1.0)] {
+            for n in 0..60 {
+                let (p, normals) = random.triangle(tilt, flatness);
+                let mut flags = PatchFlags::new(surface);
+                if n % 5 == 0 {
+                    flags = flags.with_straight(n % 3);
+                }
+                if n % 13 == 0 {
+                    flags = flags.with_flat();
+                }
+                let corners = Corners::new(p, normals, flags);
+                let width = [1, 4, 8, 16, 7][n % 5];
+                let patch = corners.patch();
+                let rays: Vec<_> = (0..width).map(|_| odd_ray(&mut random, &patch)).collect();
+                let valid = [u32::MAX, 0, 0x5a5a, 0xf7ff][n % 4];
+                for solver in solvers() {
+                    let [hits, misses] = check(&corners, &rays, valid, solver);
+                    counts[0] += hits;
+                    counts[1] += misses;
+                }
+            }
+        }
+    }
+    println!("{counts:?} hits and misses at {} levels", levels().len());
+    assert!(counts[0] > 5000 && counts[1] > 2000, "{counts:?}");
+}
+
+#[test]
+fn a_degenerate_patch_has_no_hits() {
+    let p = [vector(0.0, 0.0, 0.0); 3];
+    let up = [vector(0.0, 0.0, 1.0); 3];
+    let corners = Corners::new(p, up, PatchFlags::default());
+    let ray = Ray {
+        origin: vector(0.0, 0.0, 1.0),
+        direction: vector(0.0, 0.0, -1.0),
+        tnear: 0.0,
+        tfar: f32::INFINITY,
+    };
+    let counts = check(&corners, &[ray; 16], u32::MAX, Solver::default());
+    assert_eq!(counts, [0, 16 * levels().len()]);
+}
