@@ -3,6 +3,7 @@
 mod accuracy;
 mod accuracy_report;
 mod console;
+mod inspect;
 mod render;
 mod stats;
 mod surface;
@@ -50,6 +51,7 @@ enum Command {
     Render(render::RenderArgs),
     Trace(trace::TraceArgs),
     Accuracy(accuracy::AccuracyArgs),
+    Inspect(inspect::InspectArgs),
 }
 
 /// A mistake in the arguments that only shows when they are seen together.
@@ -91,6 +93,7 @@ fn run(cli: &Cli) -> Result<()> {
         Some(Command::Render(args)) => render::run(args, &console),
         Some(Command::Trace(args)) => trace::run(args, &console),
         Some(Command::Accuracy(args)) => accuracy::run(args, &console),
+        Some(Command::Inspect(args)) => inspect::run(args, &console),
         None => usage("no command is given; see curvetri --help"),
     }
 }

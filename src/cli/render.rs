@@ -23,7 +23,7 @@ const MOST_PIXELS: usize = 1 << 28;
 /// Render a picture of meshes: their curved surface, sun with shadows, sky
 #[derive(Args)]
 pub struct RenderArgs {
-    /// Mesh files (OBJ)
+    /// Mesh files (OBJ, PLY, STL, OFF, glTF, GLB, also as .gz), or - for standard input
     #[arg(required = true, value_name = "MESH")]
     meshes: Vec<PathBuf>,
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use curvetri::curved::CurvedOptions;
-use curvetri::mesh::{self, LoadOptions, Mesh, NormalsPolicy};
+use curvetri::mesh::{self, LoadOptions, Loaded, Mesh, NormalsPolicy};
 use curvetri::render::Form;
 use curvetri::surface::{Solver, Surface};
 
@@ -97,6 +97,15 @@ impl SurfaceArgs {
 
     /// Reads a mesh and tells what was odd about it.
     pub fn load(&self, path: &Path, console: &Console) -> Result<Mesh> {
+        let loaded = self.read(path, console)?;
+        for warning in &loaded.report.warnings {
+            console.warn(&format!("{}: {warning}", path.display()));
+        }
+        Ok(loaded.mesh)
+    }
+
+    /// Reads a mesh, with what was odd about it.
+    pub fn read(&self, path: &Path, console: &Console) -> Result<Loaded> {
         let options = LoadOptions {
             crease_angle_degrees: self.crease_angle,
             normals: match self.normals {
@@ -108,15 +117,12 @@ impl SurfaceArgs {
         let bar = console.spinner("reading");
         let loaded = mesh::load(path, &options)?;
         bar.finish_and_clear();
-        for warning in &loaded.report.warnings {
-            console.warn(&format!("{}: {warning}", path.display()));
-        }
         console.note(&format!(
             "{}: {} triangles, {} vertices",
             path.display(),
             loaded.mesh.triangles().len(),
             loaded.mesh.positions().len()
         ));
-        Ok(loaded.mesh)
+        Ok(loaded)
     }
 }

@@ -43,7 +43,7 @@ const EXPECTED: &str = "expected float32 or float64 of shape (N, 6), origin and 
 #[derive(Args)]
 #[command(verbatim_doc_comment)]
 pub struct TraceArgs {
-    /// Mesh file (OBJ)
+    /// Mesh file (OBJ, PLY, STL, OFF, glTF, GLB, also as .gz), or - for standard input
     mesh: PathBuf,
 
     /// The rays

@@ -1,8 +1,10 @@
 //! A mesh as one Embree user geometry of curved triangles: one primitive a triangle, with an inline
 //! path for those that stay flat.
 
+mod advice;
 mod counters;
 mod geometry;
+mod inspection;
 mod kinds;
 mod prepare;
 
@@ -12,6 +14,7 @@ use crate::mesh::{Mesh, Topology, TopologyCounts};
 use crate::surface::{Patch, PatchRecord, Solver, Surface, Vector};
 
 pub use counters::{Counters, counters};
+pub use inspection::{Heights, Inspection, MemoryNeed, SideLengths};
 pub use kinds::Kinds;
 
 /// How a mesh's triangles are curved and how rays are solved against them.

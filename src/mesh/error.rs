@@ -74,6 +74,14 @@ pub enum MeshError {
         /// What there should be as many of.
         expected: String,
     },
+    /// More than [`MAX_INDICES`] vertices.
+    #[error(
+        "{vertices} vertices are more than the {MAX_INDICES} (2^31) a mesh may have; split the mesh"
+    )]
+    TooManyVertices {
+        /// How many there are.
+        vertices: u64,
+    },
     /// More than [`MAX_INDICES`] index values.
     #[error(
         "{indices} index values are more than the {MAX_INDICES} (2^31) a mesh may have; split the mesh"

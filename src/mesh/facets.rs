@@ -252,7 +252,8 @@ mod tests {
             normals,
             ..LoadOptions::default()
         };
-        raw.into_mesh(&options).unwrap()
+        let (mesh, report) = raw.into_mesh(&options).unwrap();
+        (mesh, report.normals)
     }
 
     fn hard(raw: RawMesh, normals: NormalsPolicy) -> (u64, u64) {

@@ -292,6 +292,12 @@ impl PartBuilder {
             &mut self.raw.positions,
             buffers,
         )?;
+        let own = &self.raw.positions[first as usize..][..count];
+        if let Some((vertex, DVec3 { x, y, z })) =
+            own.iter().enumerate().find(|(_, p)| !p.is_finite())
+        {
+            return Err(format!("vertex {vertex} is not finite: {x} {y} {z}"));
+        }
         let normals = match attribute(Semantic::Normals) {
             Some(normals) => Some(append(
                 normals,

@@ -301,6 +301,17 @@ fn wrong_files_are_refused_by_the_place_that_is_wrong() {
 }
 
 #[test]
+fn a_vertex_that_is_not_finite_is_named() {
+    let mut data = data();
+    data.bytes[12..16].copy_from_slice(&f32::INFINITY.to_le_bytes());
+    let text = json(&data, ACCESSORS, &primitive(2), "{\"mesh\":0}", true);
+    assert_eq!(
+        load_text(&text).unwrap_err(),
+        "x.gltf: mesh 0 \"square\", primitive 0: vertex 1 is not finite: inf 0 0"
+    );
+}
+
+#[test]
 fn wrong_buffers_json_and_extensions_are_refused() {
     let text = json(&data(), ACCESSORS, &primitive(2), "{\"mesh\":0}", true);
     let with = |from: &str, to: &str| load_text(&text.replacen(from, to, 1)).unwrap_err();

@@ -25,6 +25,7 @@ mod ply;
 mod ply_body;
 mod polygon;
 mod raw;
+mod snap;
 mod stl;
 mod text;
 mod topology;
@@ -77,6 +78,8 @@ pub struct LoadReport {
     pub polygons: u64,
     /// Lines, points and faces of fewer than three corners, none of which is a surface: skipped.
     pub skipped_elements: u64,
+    /// Places of vertices that were so near to another that they were put there.
+    pub snapped: u64,
     /// Where the normals come from.
     pub normals: NormalsReport,
     /// Sentences for the user on what was skipped or mended.
@@ -123,11 +126,12 @@ pub fn load_bytes(
 ) -> Result<Loaded, LoadError> {
     let path = path.as_ref();
     let Parsed { raw, mut report } = parse(bytes, path)?;
-    let (mesh, normals) = raw.into_mesh(options).map_err(|source| LoadError::Mesh {
+    let (mesh, made) = raw.into_mesh(options).map_err(|source| LoadError::Mesh {
         path: path.into(),
         source,
     })?;
-    report.normals = normals;
+    report.normals = made.normals;
+    report.snapped = made.snapped;
     report.warn();
     Ok(Loaded { mesh, report })
 }
@@ -163,6 +167,13 @@ impl LoadReport {
                 "{} lines, points, curves or faces of fewer than three corners are no surface and \
                  were skipped",
                 self.skipped_elements
+            ));
+        }
+        if self.snapped > 0 {
+            sentences.push(format!(
+                "{} vertices lay less than a millionth of a side, or rounding, beside another and were \
+                 put there",
+                self.snapped
             ));
         }
         if self.normals.unusable > 0 {

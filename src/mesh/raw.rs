@@ -4,9 +4,10 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::error::{MAX_COORDINATE, MAX_INDICES};
-use super::normals::{self, NormalsReport};
+use super::normals;
+use super::snap::snap;
 use super::weld::weld;
-use super::{Bounds, LoadOptions, Mesh, MeshError};
+use super::{Bounds, LoadOptions, LoadReport, Mesh, MeshError};
 
 /// No normal: the index of a corner whose file names none.
 pub const NO_NORMAL: u32 = u32::MAX;
@@ -27,12 +28,13 @@ pub struct RawMesh {
 
 impl RawMesh {
     /// Checks everything, makes missing normals, merges corners of the same position and normal
-    /// into vertices and chooses the local origin.
+    /// into vertices, puts vertices that are meant to be one into one place and chooses the local
+    /// origin. The report tells what of it was needed.
     ///
     /// # Errors
     ///
     /// [`MeshError`]; see its variants.
-    pub fn into_mesh(self, options: &LoadOptions) -> Result<(Mesh, NormalsReport), MeshError> {
+    pub fn into_mesh(self, options: &LoadOptions) -> Result<(Mesh, LoadReport), MeshError> {
         self.check()?;
         let origin = local_origin(&self.positions);
         // Adding zero turns -0 into +0, so that equal positions have equal bits.
@@ -52,6 +54,7 @@ impl RawMesh {
             .par_iter_mut()
             .for_each(|t| *t = t.map(|v| place_of[v as usize]));
         drop(place_of);
+        let snapped = snap(&places, &mut corners);
         let stored = self.normal_corners.as_deref().map(|c| (&*self.normals, c));
         let vertices = normals::assign(&places, &corners, stored, options);
         let mesh = Mesh {
@@ -60,7 +63,12 @@ impl RawMesh {
             normals: vertices.normals,
             triangles: vertices.triangles,
         };
-        Ok((mesh, vertices.report))
+        let report = LoadReport {
+            snapped,
+            normals: vertices.report,
+            ..LoadReport::default()
+        };
+        Ok((mesh, report))
     }
 
     fn check(&self) -> Result<(), MeshError> {
@@ -70,6 +78,10 @@ impl RawMesh {
         }
         if indices > MAX_INDICES {
             return Err(MeshError::TooManyIndices { indices });
+        }
+        let vertices = self.positions.len().max(self.normals.len()) as u64;
+        if vertices > MAX_INDICES {
+            return Err(MeshError::TooManyVertices { vertices });
         }
         for (vertex, p) in self.positions.iter().enumerate() {
             let DVec3 { x, y, z } = *p;

@@ -1,4 +1,25 @@
 //! Which triangles share a side, and how they meet there.
+//!
+//! Sides are matched by the positions of their ends, bit for bit; [`RawMesh::into_mesh`] has put
+//! vertices that are meant to be one into one place before. Normals and texture coordinates split
+//! vertices, but no sides. What is done at each kind of side, so that no two triangles that share
+//! one part from each other:
+//!
+//! | side | the surface there |
+//! |---|---|
+//! | smooth: two triangles, equal normals at both ends | curved; both make the same curve of the same numbers |
+//! | doubled: sheets that lie in each other | curved, each sheet joined to its own continuation |
+//! | hard: two triangles, a normal differs | straight on both hands |
+//! | flipped: the two do not agree on the front | straight on both hands |
+//! | non-manifold: three triangles or more | straight on all hands |
+//! | boundary: one triangle | curved as its own normals say: nobody is there to part from |
+//! | of a triangle without area | none: no ray hits it, and those beside it are each other's |
+//!
+//! A **T-junction**, where a vertex lies within a longer side of another triangle, is no shared side
+//! but three boundaries. On a curved surface they need not meet: the long side bends away from the
+//! vertex by what its triangle bulges. Such meshes have to be cut so that vertices meet vertices.
+//!
+//! [`RawMesh::into_mesh`]: super::RawMesh::into_mesh
 
 use glam::Vec3;
 

@@ -1,0 +1,230 @@
+//! `curvetri inspect`: what is in a mesh and what the method does with it.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Args;
+use curvetri::curved::Inspection;
+use curvetri::render::Form;
+use glam::DVec3;
+use serde_json::{Value, json};
+
+use super::console::{self, Console};
+use super::surface::SurfaceArgs;
+use super::usage;
+
+/// Tell what is in a mesh, what the method does with it, and what to do about its problems
+#[derive(Args)]
+pub struct InspectArgs {
+    /// The mesh file, or - for standard input
+    #[arg(value_name = "MESH")]
+    mesh: PathBuf,
+
+    /// Print it as JSON
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    surface: SurfaceArgs,
+}
+
+/// Runs the command.
+pub fn run(args: &InspectArgs, console: &Console) -> Result<()> {
+    let Form::Curved(options) = args.surface.form()? else {
+        return usage("--surface flat curves nothing; leave it out to inspect what is curved");
+    };
+    let loaded = args.surface.read(&args.mesh, console)?;
+    let bar = console.spinner("curving");
+    let inspection = Inspection::new(loaded, &options);
+    bar.finish_and_clear();
+    console::print(&if args.json {
+        as_json(&inspection)
+    } else {
+        as_text(&inspection)
+    })
+}
+
+fn as_text(inspection: &Inspection) -> String {
+    let Inspection {
+        report, topology, ..
+    } = inspection;
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "{name:10} {value}");
+    };
+    line(
+        "triangles",
+        format!("{} of {} polygons", inspection.triangles, report.polygons),
+    );
+    line(
+        "vertices",
+        format!("{} in {} places", inspection.vertices, topology.places),
+    );
+    let bounds = inspection.bounds;
+    line(
+        "bounds",
+        format!("{} to {}", vector(bounds.min), vector(bounds.max)),
+    );
+    if inspection.origin != DVec3::ZERO {
+        line(
+            "origin",
+            format!("{}, near the mesh", vector(inspection.origin)),
+        );
+    }
+    let sides = inspection.sides;
+    line(
+        "lengths",
+        format!(
+            "sides from {:.3e}, mean {:.3e}, to {:.3e}",
+            sides.least, sides.mean, sides.greatest
+        ),
+    );
+    line("normals", counts(&normals(inspection)));
+    line("sides", counts(&side_kinds(inspection)));
+    line(
+        "closed",
+        (if topology.is_closed() { "yes" } else { "no" }).into(),
+    );
+    line("problems", counts(&problems(inspection)));
+    line("kinds", counts(&kinds(inspection)));
+    let heights = inspection.heights;
+    line(
+        "heights",
+        format!(
+            "up to {:.3e} (triangle {}), and {:.1} % of the triangle's longest side (triangle {})",
+            heights.greatest,
+            heights.greatest_at,
+            100.0 * heights.steepest,
+            heights.steepest_at
+        ),
+    );
+    let megabytes = |bytes: u64| format!("{:.2} MB", bytes as f64 * 1e-6);
+    let memory = inspection.memory;
+    line(
+        "memory",
+        format!(
+            "{}: {} mesh, {} records, {} Embree's tree at most",
+            megabytes(memory.total()),
+            megabytes(memory.mesh),
+            megabytes(memory.records),
+            megabytes(memory.tree)
+        ),
+    );
+    let advice = inspection.advice();
+    if advice.is_empty() {
+        line("advice", "nothing to mend".into());
+    }
+    for sentence in advice {
+        line("advice", sentence);
+    }
+    text
+}
+
+fn vector(v: DVec3) -> String {
+    // What single precision holds exactly needs no more digits than it has.
+    let number = |x: f64| match x as f32 {
+        single if f64::from(single) == x => format!("{single:?}"),
+        _ => format!("{x:?}"),
+    };
+    let [x, y, z] = v.to_array().map(number);
+    format!("({x}, {y}, {z})")
+}
+
+/// The counts that are not zero.
+fn counts(named: &[(&str, u64)]) -> String {
+    let some = named.iter().filter(|(_, count)| *count > 0);
+    let words: Vec<String> = some
+        .map(|(name, count)| format!("{count} {}", name.replace('_', " ")))
+        .collect();
+    if words.is_empty() {
+        return "none".into();
+    }
+    words.join(", ")
+}
+
+fn normals(inspection: &Inspection) -> Vec<(&'static str, u64)> {
+    let normals = &inspection.report.normals;
+    vec![
+        ("stored", normals.stored),
+        ("made", normals.made),
+        ("faceted", normals.faceted),
+        ("unusable", normals.unusable),
+        ("renormalised", normals.renormalised),
+        ("against_face", normals.against_face),
+    ]
+}
+
+fn side_kinds(inspection: &Inspection) -> Vec<(&'static str, u64)> {
+    let sides = &inspection.topology;
+    vec![
+        ("smooth", sides.smooth),
+        ("hard", sides.hard),
+        ("boundary", sides.boundary),
+        ("non_manifold", sides.non_manifold),
+        ("doubled", sides.doubled),
+        ("flipped", sides.flipped),
+    ]
+}
+
+fn problems(inspection: &Inspection) -> Vec<(&'static str, u64)> {
+    vec![
+        (
+            "degenerate_triangles",
+            inspection.topology.degenerate_triangles,
+        ),
+        (
+            "duplicate_triangles",
+            inspection.topology.duplicate_triangles,
+        ),
+        ("snapped_vertices", inspection.report.snapped),
+        ("skipped_elements", inspection.report.skipped_elements),
+    ]
+}
+
+fn kinds(inspection: &Inspection) -> Vec<(&'static str, u64)> {
+    let named = inspection.kinds.named().into_iter();
+    named.map(|(name, count)| (name, count as u64)).collect()
+}
+
+/// One JSON object. Lengths are in the mesh's units, memory in bytes; normals are counted by
+/// triangle corners.
+fn as_json(inspection: &Inspection) -> String {
+    let object = |named: Vec<(&str, u64)>| {
+        let entries = named
+            .into_iter()
+            .map(|(name, count)| (name.to_owned(), count.into()));
+        Value::Object(entries.collect())
+    };
+    let (bounds, memory) = (inspection.bounds, inspection.memory);
+    let (sides, heights) = (inspection.sides, inspection.heights);
+    let value = json!({
+        "triangles": inspection.triangles,
+        "polygons": inspection.report.polygons,
+        "vertices": inspection.vertices,
+        "places": inspection.topology.places,
+        "bounds": { "min": bounds.min.to_array(), "max": bounds.max.to_array() },
+        "origin": inspection.origin.to_array(),
+        "side_lengths": { "least": sides.least, "mean": sides.mean, "greatest": sides.greatest },
+        "normals": object(normals(inspection)),
+        "sides": object(side_kinds(inspection)),
+        "closed": inspection.topology.is_closed(),
+        "problems": object(problems(inspection)),
+        "kinds": object(kinds(inspection)),
+        "heights": {
+            "greatest": heights.greatest,
+            "greatest_at": heights.greatest_at,
+            "steepest": heights.steepest,
+            "steepest_at": heights.steepest_at,
+        },
+        "bytes": {
+            "mesh": memory.mesh,
+            "records": memory.records,
+            "tree": memory.tree,
+            "total": memory.total(),
+        },
+        "warnings": inspection.report.warnings,
+        "advice": inspection.advice(),
+    });
+    format!("{value:#}\n")
+}
