@@ -5,7 +5,7 @@ use fearless_simd::{Level, dispatch, prelude::*};
 
 use super::hit::Solver;
 use super::lanes::{LaneMask, Lanes};
-use super::patch::Outline;
+use super::outline::Outline;
 use super::ray::Ray;
 use super::real::inlined;
 use super::vector::{Vector, vector};

@@ -86,6 +86,9 @@ impl<V: Real> Segment<V> {
         let mut segment = Self::unclipped(patch, from, along, ray.tnear, ray.tfar);
         let distance = max_abs(from);
         segment.clip_to(patch, distance, valid);
+        if segment.is_empty() {
+            return segment;
+        }
         // Begin anew at the entry: the steps along the ray are then small against its position.
         let entry = V::select(segment.alive, segment.start, ray.tnear);
         let local = Self::unclipped(patch, from + along * entry, along, entry, ray.tfar);
