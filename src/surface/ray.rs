@@ -211,6 +211,30 @@ impl<V: Real> Segment<V> {
         epsilon / self.speed + epsilon * epsilon.constant(0.25) * self.start.abs()
     }
 
+    /// The segment of one ray in every lane of a value like this one, to be looked at in several
+    /// places at once.
+    #[inline(always)]
+    pub(super) fn in_lanes<L: Real<Scalar = V>>(&self, like: L) -> Segment<L>
+    where
+        V: Scalar,
+    {
+        let all = inlined(
+            #[inline(always)]
+            |of: [V; 3]| [like.splat(of[0]), like.splat(of[1]), like.splat(of[2])],
+        );
+        Segment {
+            start: like.splat(self.start),
+            length: like.splat(self.length),
+            alive: like.mask(self.alive),
+            stray_room: like.splat(self.stray_room),
+            speed: like.splat(self.speed),
+            b: all(self.b),
+            b_rate: all(self.b_rate),
+            z: like.splat(self.z),
+            z_rate: like.splat(self.z_rate),
+        }
+    }
+
     /// What a steep surface may rise within a step of this width of the segment's parameter, in
     /// units of the patch's size.
     #[inline(always)]
