@@ -120,7 +120,7 @@ fn single(bencher: Bencher<'_, '_>, fate: Fate) {
             return None;
         }
         let patch = outline.complete();
-        let hit = patch.intersect_within(&segment, ray, Solver::default());
+        let hit = patch.intersect_single(&segment, ray, Solver::default());
         hit.found.then(|| (hit.t, patch.normal_at(hit.u, hit.v)))
     });
 }

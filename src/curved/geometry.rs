@@ -115,7 +115,7 @@ impl CurvedMesh {
         if !segment.is_empty() {
             let patch = outline.complete();
             loop {
-                let hit = patch.intersect_within(&segment, &ray, self.solver);
+                let hit = patch.intersect_single(&segment, &ray, self.solver);
                 evaluations += u64::from(hit.evaluations);
                 if !hit.found {
                     break;

@@ -13,6 +13,9 @@ const PROMISE: f64 = 1.0;
 /// Most steps of the bracketing method; far fewer are ever needed.
 const MAX_STEPS: usize = 60;
 
+/// The values at the ends of all parts.
+pub(super) type Samples<V> = [V; MAX_PARTS + 1];
+
 /// An interval with values of different sign at its ends.
 #[derive(Clone, Copy)]
 struct Bracket<V: Real> {
@@ -39,7 +42,8 @@ impl<V: Real> Bracket<V> {
 ///
 /// Samples up to `parts` equal parts; where three consecutive samples of one sign lie on a parabola
 /// that comes near to zero, it looks there, which finds the two close roots of a grazing ray. `f`
-/// is told the lanes whose value matters.
+/// is told the lanes whose value matters. `samples` are its values at the parts' ends where those
+/// are known already.
 #[inline(always)]
 pub(super) fn first_root<V: Real>(
     mut f: impl FnMut(V, V::Mask) -> V,
@@ -47,6 +51,7 @@ pub(super) fn first_root<V: Real>(
     [tolerance, noise]: [V; 2],
     alive: V::Mask,
     parts: usize,
+    samples: Option<&Samples<V>>,
 ) -> Root<V> {
     debug_assert!((2..=MAX_PARTS).contains(&parts));
     let zero = length.constant(0.0);
@@ -59,7 +64,11 @@ pub(super) fn first_root<V: Real>(
         found: length.mask(false),
     };
     let mut probes = zero;
-    let mut left = (zero, f(zero, alive));
+    let first = match samples {
+        Some(known) => known[0],
+        None => f(zero, alive),
+    };
+    let mut left = (zero, first);
     let mut middle = left;
     for n in 1..=parts {
         let seeking = alive & !bracket.found;
@@ -67,7 +76,11 @@ pub(super) fn first_root<V: Real>(
             break;
         }
         let place = part * part.constant(n as f64);
-        let right = (place, f(place, seeking));
+        let value = match samples {
+            Some(known) => known[n],
+            None => f(place, seeking),
+        };
+        let right = (place, value);
         let change = seeking & differ(middle.1, right.1);
         bracket.replace(change, middle, right);
         if n > 1 {
@@ -245,7 +258,7 @@ mod tests {
     use super::*;
 
     fn solve(mut f: impl FnMut(f64) -> f64, parts: usize) -> Root<f64> {
-        first_root(|at, _| f(at), 1.0, [1e-14, 0.0], true, parts)
+        first_root(|at, _| f(at), 1.0, [1e-14, 0.0], true, parts, None)
     }
 
     #[test]
@@ -269,7 +282,7 @@ mod tests {
     #[test]
     fn no_root_is_a_miss_and_a_dead_lane_stays_dead() {
         assert!(!solve(|x| x * x - x + 0.3, 8).found);
-        assert!(!first_root(|x: f64, _| x - 0.5, 1.0, [1e-14, 0.0], false, 8).found);
+        assert!(!first_root(|x: f64, _| x - 0.5, 1.0, [1e-14, 0.0], false, 8, None).found);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Where a ray first meets a curved triangle.
 
-use super::finish::{self, MAX_PARTS};
+use super::finish::{self, MAX_PARTS, Samples};
 use super::ita::{self, Root};
 use super::patch::{Patch, PatchKind, Rule, next};
 use super::ray::{Ray, Segment};
@@ -95,12 +95,24 @@ impl<S: Scalar> Patch<S> {
         ray: &Ray<V>,
         solver: Solver,
     ) -> Hit<V> {
+        self.intersect_sampled(segment, ray, solver, |_, _| None)
+    }
+
+    /// The same with a function that may know F at the ends of so many parts of a segment.
+    #[inline(always)]
+    pub(super) fn intersect_sampled<V: Real<Scalar = S>>(
+        &self,
+        segment: &Segment<V>,
+        ray: &Ray<V>,
+        solver: Solver,
+        sampler: impl Fn(&Segment<V>, usize) -> Option<Samples<V>>,
+    ) -> Hit<V> {
         if segment.is_empty() {
             return Hit::none(ray.tnear);
         }
         let hit = match self.rule {
             Rule::Flat => self.plane_hit(segment),
-            _ => self.surface_hit(*segment, solver),
+            _ => self.surface_hit(*segment, solver, sampler),
         };
         Hit {
             found: hit.found & ray.tnear.less(hit.t) & hit.t.at_most(ray.tfar),
@@ -124,10 +136,15 @@ impl<S: Scalar> Patch<S> {
     }
 
     #[inline(always)]
-    fn surface_hit<V: Real<Scalar = S>>(&self, mut segment: Segment<V>, solver: Solver) -> Hit<V> {
+    fn surface_hit<V: Real<Scalar = S>>(
+        &self,
+        mut segment: Segment<V>,
+        solver: Solver,
+        sampler: impl Fn(&Segment<V>, usize) -> Option<Samples<V>>,
+    ) -> Hit<V> {
         let mut hit = Hit::none(segment.start);
         for _ in 0..MAX_ROOTS {
-            let root = self.first_root(&segment, solver, &mut hit.evaluations);
+            let root = self.first_root(&segment, solver, &sampler, &mut hit.evaluations);
             let (above, z) = (segment.projection(root.at), segment.z(root.at));
             let foot = self.foot_under(above, z);
             let ([u, v], moved) = self.kept_inside(foot.b);
@@ -173,8 +190,27 @@ impl<S: Scalar> Patch<S> {
         &self,
         segment: &Segment<V>,
         solver: Solver,
+        sampler: &impl Fn(&Segment<V>, usize) -> Option<Samples<V>>,
         evaluations: &mut u32,
     ) -> Root<V> {
+        let parts = match solver {
+            // Where the slab is high a ray may stay in it long before it meets the surface, and
+            // graze it between samples.
+            Solver::Finish { parts } => {
+                let high = S::from_f64(HIGH_SLAB) < self.slab[1] - self.slab[0];
+                let parts = if high { 2 * parts } else { parts };
+                (parts as usize).clamp(2, MAX_PARTS)
+            }
+            Solver::Ita { .. } => 0,
+        };
+        let samples = if parts == 0 {
+            None
+        } else {
+            sampler(segment, parts)
+        };
+        if samples.is_some() {
+            *evaluations += parts as u32 + 1;
+        }
         let f = inlined(
             #[inline(always)]
             |at: V, lanes: V::Mask| {
@@ -189,17 +225,13 @@ impl<S: Scalar> Patch<S> {
             Solver::Ita { bits, step } => {
                 ita::first_root(f, segment.length, segment.alive, bits, step)
             }
-            Solver::Finish { parts } => {
+            Solver::Finish { .. } => {
                 let noise = segment
                     .length
                     .splat(S::EPSILON * S::from_f64(NOISE_EPSILONS));
                 let close = [segment.tolerance(), noise];
-                // Where the slab is high a ray may stay in it long before it meets the surface, and
-                // graze it between samples.
-                let high = S::from_f64(HIGH_SLAB) < self.slab[1] - self.slab[0];
-                let parts = if high { 2 * parts } else { parts };
-                let parts = (parts as usize).clamp(2, MAX_PARTS);
-                finish::first_root(f, segment.length, close, segment.alive, parts)
+                let alive = segment.alive;
+                finish::first_root(f, segment.length, close, alive, parts, samples.as_ref())
             }
         }
     }

@@ -3,11 +3,13 @@
 
 use fearless_simd::{Level, dispatch, prelude::*};
 
-use super::hit::Solver;
+use super::finish::{MAX_PARTS, Samples};
+use super::hit::{Hit, Solver};
 use super::lanes::{LaneMask, Lanes};
-use super::patch::Outline;
-use super::ray::Ray;
-use super::real::inlined;
+use super::outline::Outline;
+use super::patch::Patch;
+use super::ray::{Ray, Segment};
+use super::real::{Real, inlined};
 use super::vector::{Vector, vector};
 
 /// Most rays of a packet.
@@ -99,6 +101,73 @@ impl Outline<'_, f32> {
         dispatch!(level, simd => trace(simd, self, rays, asked, &mut hits));
         hits
     }
+}
+
+impl Patch<f32> {
+    /// [`Patch::intersect_within`] of one ray, which samples F at all parts' ends at once, one a lane.
+    ///
+    /// The answer is bit for bit the same, but for the count of evaluations, which are then those of
+    /// all samples, also those beyond the first root.
+    pub fn intersect_single(
+        &self,
+        segment: &Segment<f32>,
+        ray: &Ray<f32>,
+        solver: Solver,
+    ) -> Hit<f32> {
+        self.intersect_single_at(Level::new(), segment, ray, solver)
+    }
+
+    /// The same with the instructions of one level.
+    pub(super) fn intersect_single_at(
+        &self,
+        level: Level,
+        segment: &Segment<f32>,
+        ray: &Ray<f32>,
+        solver: Solver,
+    ) -> Hit<f32> {
+        dispatch!(level, simd => {
+            let sampler = inlined(
+                #[inline(always)]
+                |segment: &Segment<f32>, parts| Some(sample(simd, self, segment, parts)),
+            );
+            self.intersect_sampled(segment, ray, solver, sampler)
+        })
+    }
+}
+
+/// F at the ends of all parts of a segment.
+#[inline(always)]
+fn sample<S: Simd>(
+    simd: S,
+    patch: &Patch<f32>,
+    segment: &Segment<f32>,
+    parts: usize,
+) -> Samples<f32> {
+    const NUMBERS: [f32; 2 * MAX_LANES] = numbers();
+    let part = segment.length * (1.0 / parts as f64) as f32;
+    let mut values = [0.0; 2 * MAX_LANES];
+    for first in (0..=parts).step_by(S::f32s::LEN) {
+        let number = Lanes::<S>(S::f32s::from_slice(simd, &NUMBERS[first..][..S::f32s::LEN]));
+        let zero = number.splat(0.0);
+        // An endless part times zero would be no number.
+        let at = Lanes::select(zero.less(number), number.splat(part) * number, zero);
+        let value = patch.clearance(&segment.in_lanes(number), at);
+        value.0.store_slice(&mut values[first..][..S::f32s::LEN]);
+    }
+    let mut samples = [0.0; MAX_PARTS + 1];
+    samples.copy_from_slice(&values[..=MAX_PARTS]);
+    samples
+}
+
+/// 0, 1, 2 and so on.
+const fn numbers() -> [f32; 2 * MAX_LANES] {
+    let mut numbers = [0.0; 2 * MAX_LANES];
+    let mut n = 1;
+    while n < numbers.len() {
+        numbers[n] = n as f32;
+        n += 1;
+    }
+    numbers
 }
 
 /// A register's lanes at a time.

@@ -115,6 +115,17 @@ fn check(corners: &Corners, rays: &[Ray<f32>], valid: u32, solver: Solver) -> [u
             }
             let single = patch.intersect(ray, solver);
             evaluations += single.evaluations;
+            let segment = patch.clip(ray, true);
+            let sampled = patch.intersect_single_at(level, &segment, ray, solver);
+            let answer = |hit: &Hit<f32>| {
+                let place = [hit.t, hit.u, hit.v].map(f32::to_bits);
+                hit.found.then_some(place)
+            };
+            assert_eq!(
+                answer(&sampled),
+                answer(&single),
+                "{level:?} {solver:?} {ray:?}"
+            );
             let what = format!("{level:?} {solver:?} lane {lane} {ray:?} {single:?}");
             assert_eq!(found, single.found, "{what}");
             count[usize::from(!found)] += 1;

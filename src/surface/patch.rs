@@ -7,8 +7,8 @@
 use super::bounds::{self, HeightNet};
 use super::correction;
 use super::flags::{PatchFlags, Surface};
-use super::ray::{Ray, Segment};
-use super::real::{Real, Scalar};
+use super::outline::Outline;
+use super::real::{Real, Scalar, three};
 use super::vector::{Vector, vector};
 
 /// Below this cosine between a vertex normal and the triangle's plane normal the method does not
@@ -59,7 +59,7 @@ pub(super) enum Rule {
 }
 
 impl Rule {
-    fn of(surface: Surface) -> Self {
+    pub fn of(surface: Surface) -> Self {
         match surface {
             Surface::Angular => Rule::Angular,
             Surface::Tensor | Surface::Smooth => Rule::Tensor,
@@ -115,10 +115,10 @@ pub(super) struct Vertex<S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct PatchRecord {
-    flags: PatchFlags,
-    kind: PatchKind,
-    slab: [f32; 2],
-    correction: [[f32; 3]; 3],
+    pub(super) flags: PatchFlags,
+    pub(super) kind: PatchKind,
+    pub(super) slab: [f32; 2],
+    pub(super) correction: [[f32; 3]; 3],
 }
 
 impl PatchRecord {
@@ -161,7 +161,7 @@ pub struct Patch<S> {
     pub(super) rule: Rule,
     pub(super) any_obtuse: bool,
     pub(super) any_loose: bool,
-    kind: PatchKind,
+    pub(super) kind: PatchKind,
 }
 
 /// The vertex, or the side, after this one.
@@ -251,7 +251,8 @@ impl<S: Scalar> Patch<S> {
 
     /// Sets the plane and the side planes, all that a ray is clipped to but for the slab; gives the
     /// edges, or nothing where there is no area.
-    fn lay_out(
+    #[inline(always)]
+    pub(super) fn lay_out(
         &mut self,
         positions: [Vector<S>; 3],
         normals: [Vector<S>; 3],
@@ -268,7 +269,7 @@ impl<S: Scalar> Patch<S> {
         }
         self.size = extent.power_of_two();
         let unit = S::from_f64(1.0) / self.size;
-        self.spokes = spokes.map(|spoke| spoke * unit);
+        self.spokes = [spokes[0] * unit, spokes[1] * unit];
         // Every side by direct subtraction of its ends, never as a sum of other sides.
         let edges = [
             self.spokes[0],
@@ -285,7 +286,13 @@ impl<S: Scalar> Patch<S> {
     }
 
     /// Sets what the surface itself follows from.
-    fn lay_surface(&mut self, edges: [Vector<S>; 3], normals: [Vector<S>; 3], flags: PatchFlags) {
+    #[inline(always)]
+    pub(super) fn lay_surface(
+        &mut self,
+        edges: [Vector<S>; 3],
+        normals: [Vector<S>; 3],
+        flags: PatchFlags,
+    ) {
         for k in 0..3 {
             self.bend_side(k, edges[k], normals, flags);
         }
@@ -297,7 +304,7 @@ impl<S: Scalar> Patch<S> {
     }
 
     /// Sets the angles at the vertices, which only the angular rule asks for.
-    fn set_angles(&mut self) {
+    pub(super) fn set_angles(&mut self) {
         for vertex in &mut self.vertices {
             let angle = Real::atan2(self.area2, vertex.between);
             vertex.inverse_angle = S::from_f64(1.0) / angle;
@@ -305,7 +312,7 @@ impl<S: Scalar> Patch<S> {
     }
 
     /// A patch without area.
-    fn empty(origin: Vector<S>) -> Self {
+    pub(super) fn empty(origin: Vector<S>) -> Self {
         let zero = S::from_f64(0.0);
         let none = vector(zero, zero, zero);
         let side = Side {
@@ -348,9 +355,10 @@ impl<S: Scalar> Patch<S> {
     }
 
     /// Sets the plane's normal, area and gradients; false where there is no area.
+    #[inline(always)]
     fn lay_plane(&mut self, edges: [Vector<S>; 3], normals: [Vector<S>; 3]) -> bool {
         // The two shortest sides give the most certain vector product.
-        let lengths = edges.map(|edge| edge.dot(edge));
+        let lengths = three(|k| edges[k].dot(edges[k]));
         let longest = (0..3).fold(
             0,
             |best, k| if lengths[best] < lengths[k] { k } else { best },
@@ -396,6 +404,7 @@ impl<S: Scalar> Patch<S> {
     }
 
     /// Sets a side's frame and its plane.
+    #[inline(always)]
     fn lay_side(&mut self, k: usize, edge: Vector<S>, normals: [Vector<S>; 3]) {
         let length2 = edge.dot(edge);
         let length = length2.sqrt();
@@ -418,6 +427,7 @@ impl<S: Scalar> Patch<S> {
     }
 
     /// Sets how the guides turn and how the surface bends along a side.
+    #[inline(always)]
     fn bend_side(&mut self, k: usize, edge: Vector<S>, normals: [Vector<S>; 3], flags: PatchFlags) {
         let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
         let (first, second) = (normals[k], normals[next(k)]);
@@ -449,9 +459,9 @@ impl<S: Scalar> Patch<S> {
         side.loose = [next(next(k)), next(k)].map(|other| !straight && flags.is_straight(other));
     }
 
+    #[inline(always)]
     fn vertex(&self, i: usize, edges: [Vector<S>; 3], normal: Vector<S>) -> Vertex<S> {
-        let inward =
-            [0, 1, 2].map(|k| normal.dot(self.gradients[next(next(k))]) * self.sides[k].height);
+        let inward = three(|k| normal.dot(self.gradients[next(next(k))]) * self.sides[k].height);
         let between = -edges[i].dot(edges[next(next(i))]);
         Vertex {
             normal: normal.dot(self.normal),
@@ -488,7 +498,7 @@ impl<S: Scalar> Patch<S> {
     }
 
     /// Makes the surface the plane triangle itself.
-    fn flatten(&mut self, reason: FlatReason) {
+    pub(super) fn flatten(&mut self, reason: FlatReason) {
         let zero = S::from_f64(0.0);
         self.kind = PatchKind::Flat(reason);
         self.rule = Rule::Flat;
@@ -501,71 +511,6 @@ impl<S: Scalar> Patch<S> {
             side.damping = zero;
             side.correction = [zero; 3];
         }
-    }
-}
-
-/// A patch's plane, side planes and slab: what tells most rays that they miss, for half of what the
-/// whole patch costs.
-#[derive(Clone, Copy, Debug)]
-pub struct Outline<'a, S> {
-    patch: Patch<S>,
-    edges: [Vector<S>; 3],
-    normals: [Vector<S>; 3],
-    record: &'a PatchRecord,
-}
-
-impl<'a, S: Scalar> Outline<'a, S> {
-    /// The outline of the patch of these vertices, from what [`Patch::record`] kept of it.
-    #[inline]
-    pub fn new(
-        positions: [Vector<S>; 3],
-        normals: [Vector<S>; 3],
-        record: &'a PatchRecord,
-    ) -> Self {
-        let mut patch = Patch::empty(positions[0]);
-        let edges = patch.lay_out(positions, normals);
-        patch.kind = record.kind;
-        patch.slab = record.slab.map(|z| S::from_f64(z.into()));
-        match record.kind {
-            PatchKind::Curved => patch.rule = Rule::of(record.flags.surface()),
-            PatchKind::Fallback => patch.rule = Rule::Angular,
-            PatchKind::Flat(reason) => patch.flatten(reason),
-            PatchKind::Degenerate => {}
-        }
-        Self {
-            patch,
-            edges: edges.unwrap_or(patch.gradients),
-            normals,
-            record,
-        }
-    }
-
-    /// Where the ray can meet the surface at all, in the valid lanes.
-    #[inline(always)]
-    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Segment<V> {
-        self.patch.clip(ray, valid)
-    }
-
-    /// The same as [`Patch::beyond`].
-    pub fn beyond(&self, ray: &Ray<S>, t: S) -> S {
-        self.patch.beyond(ray, t)
-    }
-
-    /// The whole patch.
-    #[inline]
-    pub fn complete(self) -> Patch<S> {
-        let mut patch = self.patch;
-        if patch.rule == Rule::Flat {
-            return patch;
-        }
-        patch.lay_surface(self.edges, self.normals, self.record.flags);
-        if patch.rule == Rule::Angular {
-            patch.set_angles();
-        }
-        for (side, kept) in patch.sides.iter_mut().zip(&self.record.correction) {
-            side.correction = kept.map(|c| S::from_f64(c.into()));
-        }
-        patch
     }
 }
 

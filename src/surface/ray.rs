@@ -86,6 +86,9 @@ impl<V: Real> Segment<V> {
         let mut segment = Self::unclipped(patch, from, along, ray.tnear, ray.tfar);
         let distance = max_abs(from);
         segment.clip_to(patch, distance, valid);
+        if segment.is_empty() {
+            return segment;
+        }
         // Begin anew at the entry: the steps along the ray are then small against its position.
         let entry = V::select(segment.alive, segment.start, ray.tnear);
         let local = Self::unclipped(patch, from + along * entry, along, entry, ray.tfar);
@@ -206,6 +209,30 @@ impl<V: Real> Segment<V> {
     pub(super) fn tolerance(&self) -> V {
         let epsilon = self.speed.splat(V::Scalar::EPSILON);
         epsilon / self.speed + epsilon * epsilon.constant(0.25) * self.start.abs()
+    }
+
+    /// The segment of one ray in every lane of a value like this one, to be looked at in several
+    /// places at once.
+    #[inline(always)]
+    pub(super) fn in_lanes<L: Real<Scalar = V>>(&self, like: L) -> Segment<L>
+    where
+        V: Scalar,
+    {
+        let all = inlined(
+            #[inline(always)]
+            |of: [V; 3]| [like.splat(of[0]), like.splat(of[1]), like.splat(of[2])],
+        );
+        Segment {
+            start: like.splat(self.start),
+            length: like.splat(self.length),
+            alive: like.mask(self.alive),
+            stray_room: like.splat(self.stray_room),
+            speed: like.splat(self.speed),
+            b: all(self.b),
+            b_rate: all(self.b_rate),
+            z: like.splat(self.z),
+            z_rate: like.splat(self.z_rate),
+        }
     }
 
     /// What a steep surface may rise within a step of this width of the segment's parameter, in
