@@ -1,5 +1,6 @@
 #!/bin/bash
-# Renders the demonstration's pictures into a directory: every mesh of scenes/, flat and curved.
+# Renders the demonstration's pictures into a directory: the paper's Figure 2, and every mesh of
+# scenes/, flat and curved.
 #
 #   ci/demo.sh OUT      after cargo build --release
 set -euo pipefail
@@ -19,5 +20,6 @@ for mesh in "${scenes[@]}"; do
             --up-axis z --ground
     done
 done
+"${CARGO:-cargo}" run --release --locked -q --example figure_2 -- "$out/figure_2.png" >/dev/null
 echo "The pictures are in $out/:"
 (cd "$out" && printf '  %s\n' *.png)

@@ -2,12 +2,14 @@
 # Installs what building curvetri needs and is not there: a C compiler, make and Embree with its
 # headers, through apt-get as root or with sudo. Does nothing where all is there, or where
 # EMBREE_DIR names an Embree.
+#
+#   ci/setup.sh [PACKAGE...]      further Debian packages to have
 set -euo pipefail
 
 fail() { echo "ci/setup.sh: $*" >&2; exit 1; }
 
 command -v "${CARGO:-cargo}" >/dev/null ||
-    fail "cargo is missing: install Rust 1.88 or later from https://rustup.rs"
+    fail "cargo is missing: install Rust 1.89 or later from https://rustup.rs"
 
 has_embree() {
     [ -z "${EMBREE_DIR:-}" ] || return 0 # build.rs looks there, and says what it misses
@@ -20,6 +22,10 @@ command -v make >/dev/null || missing+=(make)
 # A compiler without the C library's headers compiles nothing.
 printf '#include <stdio.h>\n' | cc -E - >/dev/null 2>&1 || missing+=(gcc libc6-dev)
 has_embree || missing+=(libembree-dev)
+for package; do
+    dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' ||
+        missing+=("$package")
+done
 [ ${#missing[@]} -gt 0 ] || exit 0
 
 command -v apt-get >/dev/null ||
