@@ -34,12 +34,15 @@ fn check(body: &Body, surface: Surface) -> f64 {
         let mut tight = Bounds::EMPTY;
         for [u, v] in corners.into_iter().chain(inside) {
             let p = oracle.point(u, v).position;
-            let within = |lower: f32, p: f64, upper: f32| {
-                f64::from(lower) <= p && p <= f64::from(upper)
-            };
+            let within =
+                |lower: f32, p: f64, upper: f32| f64::from(lower) <= p && p <= f64::from(upper);
             let (l, h) = (bounds.lower, bounds.upper);
             let ok = within(l.x, p.x, h.x) && within(l.y, p.y, h.y) && within(l.z, p.z, h.z);
-            assert!(ok, "{} {surface:?} triangle {triangle}: {p:?} {bounds:?}", body.name);
+            assert!(
+                ok,
+                "{} {surface:?} triangle {triangle}: {p:?} {bounds:?}",
+                body.name
+            );
             tight = tight.including(Vec3::new(p.x as f32, p.y as f32, p.z as f32));
         }
         boxes += half_area(&bounds);
@@ -53,18 +56,28 @@ fn boxes_of_made_meshes_hold_the_surface() {
     for body in support::made_bodies() {
         for surface in Surface::ALL {
             let ratio = check(&body, surface);
-            println!("{} {surface:?}: boxes {ratio:.3} of the true ones", body.name);
+            println!(
+                "{} {surface:?}: boxes {ratio:.3} of the true ones",
+                body.name
+            );
         }
     }
 }
 
 #[test]
 fn boxes_of_real_meshes_are_tight() {
-    let names = ["spot/spot_triangulated.obj", "bunny_2k.obj", "armadillo_29k.obj"];
+    let names = [
+        "spot/spot_triangulated.obj",
+        "bunny_2k.obj",
+        "armadillo_29k.obj",
+    ];
     for body in support::real_meshes(&names) {
         for surface in Surface::ALL {
             let ratio = check(&body, surface);
-            println!("{} {surface:?}: boxes {ratio:.3} of the true ones", body.name);
+            println!(
+                "{} {surface:?}: boxes {ratio:.3} of the true ones",
+                body.name
+            );
             assert!(ratio < MAX_RATIO, "{} {surface:?}: {ratio}", body.name);
         }
     }

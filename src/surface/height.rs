@@ -12,7 +12,7 @@ pub(super) const MIN_DAMPING_FACTOR: f64 = 0.09;
 
 /// Where `b1 b2 + b2 b3 + b3 b1` is below the first, outside the triangle, there is no correction;
 /// beyond ten times that it is whole.
-const FADE_END: f64 = 1e-3;
+const FADE_END: f64 = 2e-4;
 const FADE_RATE: f64 = 1.0 / (9.0 * FADE_END);
 
 /// What a curvature rule says at a vertex about a plane point at `d` from it.
