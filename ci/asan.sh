@@ -1,0 +1,43 @@
+#!/bin/bash
+# Runs the tests of the Embree wrapper and of the contract (packets, filters, instances, all hits) under
+# AddressSanitizer, the C shim and leaks included. A report ends it with an error.
+#
+# ASAN_TARGET   cargo's target directory   (default: target-asan in the checkout)
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+host=$(rustc -vV | sed -n 's/^host: //p')
+runtime=$(rustc --print sysroot)/lib/rustlib/$host/lib
+if ! compgen -G "$runtime/librustc-*_rt.asan.a" >/dev/null; then
+    echo "**********************************************************************" >&2
+    echo "** SKIPPED: nothing was run under AddressSanitizer: this Rust has no runtime of it" >&2
+    echo "**********************************************************************" >&2
+    exit 0
+fi
+
+suppressions=$(mktemp)
+trap 'rm -f "$suppressions"' EXIT
+cat >"$suppressions" <<'END'
+# Embree keeps some of its own for the process's life (its thread-local allocators, the tasking system's
+# state), and so does TBB (its thread pool and per-thread data): not freed when the last device is.
+leak:libembree
+leak:libtbb
+END
+
+# The compiler's own switch is unstable; RUSTC_BOOTSTRAP admits it in a stable compiler. With --target,
+# build scripts and macros stay as they are.
+export RUSTC_BOOTSTRAP=1
+export RUSTFLAGS="${RUSTFLAGS:-} -Zsanitizer=address -Cforce-frame-pointers=yes"
+export "CFLAGS_${host//-/_}=-fsanitize=address -fno-omit-frame-pointer"
+export CARGO_TARGET_DIR=${ASAN_TARGET:-$PWD/target-asan}
+export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_init_order=1${ASAN_OPTIONS:+:$ASAN_OPTIONS}
+export LSAN_OPTIONS=suppressions=$suppressions:print_suppressions=0
+unset CURVETRI_MESHES # the made bodies do
+
+tests=(--lib)
+for file in tests/contract_*.rs; do
+    name=$(basename "$file" .rs)
+    # the program's own test files take this target's binary, which is the same code
+    tests+=(--test "$name")
+done
+cargo test --locked --target "$host" "${tests[@]}" -- "$@"
