@@ -83,9 +83,13 @@ impl<V: Real> Segment<V> {
         let unit = ray.tnear.splat(S::from_f64(1.0) / patch.size);
         let from = (ray.origin - Vector::splat(ray.tnear, patch.origin)) * unit;
         let along = ray.direction * unit;
-        let mut segment = Self::unclipped(patch, from, along, ray.tnear, ray.tfar);
+        // Not cut at the ray's end, which is the nearest hit so far: the root must not depend on the
+        // order in which patches are come by.
+        let end = ray.tfar.constant(f64::INFINITY);
+        let mut segment = Self::unclipped(patch, from, along, ray.tnear, end);
         let distance = max_abs(from);
         segment.clip_to(patch, distance, valid);
+        segment.alive = segment.alive & segment.start.at_most(ray.tfar);
         if segment.is_empty() {
             return segment;
         }
