@@ -99,6 +99,7 @@ fn instances_are_hit_where_their_transform_puts_them() {
 
 #[test]
 fn packets_give_what_single_rays_give_in_instances() {
+    let mut agreement = Agreement::default();
     let device = Device::new().unwrap();
     for body in few_bodies() {
         for options in all_options() {
@@ -110,14 +111,16 @@ fn packets_give_what_single_rays_give_in_instances() {
             let single = singly(&outer, &rays, None);
             assert!(single.met() > 500);
             for (how, said) in by_all_packets(&outer, &rays, None) {
-                single.assert_same(&said, &format!("{} {options:?}, {how}", body.name));
+                agreement.compare(&single, &said, &format!("{} {options:?}, {how}", body.name));
             }
         }
     }
+    agreement.assert_ties_are_rare();
 }
 
 #[test]
 fn filters_decide_in_instances() {
+    let mut agreement = Agreement::default();
     let device = Device::new().unwrap();
     for body in few_bodies() {
         let options = CurvedOptions::default();
@@ -146,9 +149,10 @@ fn filters_decide_in_instances() {
         }
         assert!(single.met() > 100, "{}", single.met());
         for (how, said) in by_all_packets(&filtered, &rays, Some(&odd)) {
-            single.assert_same(&said, &format!("{}, {how}", body.name));
+            agreement.compare(&single, &said, &format!("{}, {how}", body.name));
         }
     }
+    agreement.assert_ties_are_rare();
 }
 
 #[test]
