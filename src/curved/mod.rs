@@ -2,6 +2,7 @@
 //! path for those that stay flat.
 
 mod advice;
+mod clusters;
 mod counters;
 mod geometry;
 mod inspection;
@@ -10,12 +11,27 @@ mod prepare;
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
+use crate::embree::Bounds;
 use crate::mesh::{Mesh, Topology, TopologyCounts};
 use crate::surface::{Patch, PatchRecord, Solver, Surface, Vector};
 
+use clusters::Cluster;
 pub use counters::{Counters, counters};
 pub use inspection::{Heights, Inspection, MemoryNeed, SideLengths};
 pub use kinds::Kinds;
+
+/// What Embree is given as one primitive. Hits name triangles either way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Primitives {
+    /// A triangle: the method's plain form.
+    Triangles,
+    /// A few neighbouring triangles, whose boxes are tested against a ray all at once: a smaller tree
+    /// and fewer callbacks.
+    #[default]
+    Clusters,
+}
 
 /// How a mesh's triangles are curved and how rays are solved against them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,6 +40,8 @@ pub struct CurvedOptions {
     pub surface: Surface,
     /// How a ray's root on a patch is found.
     pub solver: Solver,
+    /// What is one primitive to Embree.
+    pub primitives: Primitives,
     /// Every triangle as the paper has it, from its own vertices alone: also where its guide field
     /// folds over or bends too much for the method's guarantees, and with curved sides also at hard
     /// edges and towards flat triangles. For measuring the method itself: rays may slip through
@@ -34,10 +52,11 @@ pub struct CurvedOptions {
 /// A mesh whose triangles are curved patches, ready to be an Embree user geometry.
 ///
 /// Rays, hits and bounds are in the mesh's local space: positions relative to
-/// [`Mesh::origin`]. Primitive `i` is the mesh's triangle `i`.
+/// [`Mesh::origin`]. A hit's primitive `i` is the mesh's triangle `i`.
 pub struct CurvedMesh {
     mesh: Arc<Mesh>,
     records: Vec<PatchRecord>,
+    clusters: Option<Vec<Cluster>>,
     solver: Solver,
     kinds: Kinds,
     topology: TopologyCounts,
@@ -52,12 +71,33 @@ impl CurvedMesh {
     pub fn new(mesh: Arc<Mesh>, options: &CurvedOptions) -> Self {
         let topology = Topology::new(&mesh);
         let prepared = prepare::prepare(&mesh, &topology, options);
-        Self {
+        let mut curved = Self {
             mesh,
             records: prepared.records,
+            clusters: None,
             solver: options.solver,
             kinds: prepared.kinds,
             topology: *topology.counts(),
+        };
+        if options.primitives == Primitives::Clusters {
+            curved.clusters = Some(curved.clustered());
+        }
+        curved
+    }
+
+    fn clustered(&self) -> Vec<Cluster> {
+        let boxes: Vec<Bounds> = (0..self.records.len() as u32)
+            .into_par_iter()
+            .map(|triangle| self.triangle_bounds(triangle))
+            .collect();
+        clusters::group(&boxes)
+    }
+
+    fn triangle_bounds(&self, triangle: u32) -> Bounds {
+        let [lower, upper] = self.patch(triangle).bounds();
+        Bounds {
+            lower: lower.into(),
+            upper: upper.into(),
         }
     }
 
@@ -78,7 +118,8 @@ impl CurvedMesh {
 
     /// Bytes kept beyond the indexed mesh itself.
     pub fn memory(&self) -> usize {
-        self.records.capacity() * size_of::<PatchRecord>()
+        let clusters = self.clusters.as_ref().map_or(0, Vec::capacity);
+        self.records.capacity() * size_of::<PatchRecord>() + clusters * size_of::<Cluster>()
     }
 
     /// The curved patch of one triangle, in the mesh's local space.

@@ -32,6 +32,7 @@ mod patch;
 mod point;
 mod ray;
 mod real;
+mod record;
 mod vector;
 
 #[cfg(test)]
@@ -44,9 +45,10 @@ pub use finish::MAX_PARTS;
 pub use flags::{PatchFlags, Surface};
 pub use hit::{Hit, Solver};
 pub use outline::Outline;
-pub use packet::{HitLanes, RayLanes};
-pub use patch::{FlatReason, Patch, PatchKind, PatchRecord};
+pub use packet::{HitLanes, MAX_LANES, RayLanes};
+pub use patch::{FlatReason, Patch, PatchKind};
 pub use point::SurfacePoint;
 pub use ray::{Ray, Segment};
 pub use real::{Jet, Mask, Real, Scalar};
+pub use record::PatchRecord;
 pub use vector::{Vector, vector};
