@@ -42,7 +42,7 @@ pub(super) struct Entries {
 }
 
 /// Groups triangles by place. Triangles with an empty box are left out: nothing hits them.
-pub(super) fn group(boxes: &[Bounds]) -> Vec<Cluster> {
+pub(super) fn group(boxes: &[Bounds]) -> Box<[Cluster]> {
     let mut order: Vec<u32> = (0..boxes.len() as u32)
         .into_par_iter()
         .filter(|&triangle| !boxes[triangle as usize].is_empty())

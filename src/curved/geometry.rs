@@ -10,7 +10,10 @@ use crate::surface::{HitLanes, Outline, Ray, RayLanes, Real};
 impl UserGeometry for CurvedMesh {
     fn primitives(&self) -> u32 {
         // A mesh holds at most 2^31 index values, so this fits.
-        let count = self.clusters.as_ref().map_or(self.records.len(), Vec::len);
+        let count = self
+            .clusters
+            .as_ref()
+            .map_or(self.records.len(), |clusters| clusters.len());
         count as u32
     }
 

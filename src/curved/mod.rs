@@ -56,7 +56,7 @@ pub struct CurvedOptions {
 pub struct CurvedMesh {
     mesh: Arc<Mesh>,
     records: Vec<PatchRecord>,
-    clusters: Option<Vec<Cluster>>,
+    clusters: Option<Box<[Cluster]>>,
     solver: Solver,
     kinds: Kinds,
     topology: TopologyCounts,
@@ -85,7 +85,7 @@ impl CurvedMesh {
         curved
     }
 
-    fn clustered(&self) -> Vec<Cluster> {
+    fn clustered(&self) -> Box<[Cluster]> {
         let boxes: Vec<Bounds> = (0..self.records.len() as u32)
             .into_par_iter()
             .map(|triangle| self.triangle_bounds(triangle))
@@ -118,7 +118,7 @@ impl CurvedMesh {
 
     /// Bytes kept beyond the indexed mesh itself.
     pub fn memory(&self) -> usize {
-        let clusters = self.clusters.as_ref().map_or(0, Vec::capacity);
+        let clusters = self.clusters.as_ref().map_or(0, |clusters| clusters.len());
         self.records.capacity() * size_of::<PatchRecord>() + clusters * size_of::<Cluster>()
     }
 
