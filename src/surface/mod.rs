@@ -30,8 +30,10 @@ mod outline;
 mod packet;
 mod patch;
 mod point;
+mod range;
 mod ray;
 mod real;
+mod sphere;
 mod vector;
 
 #[cfg(test)]
@@ -41,7 +43,7 @@ mod tests;
 
 pub use dual::Dual;
 pub use finish::MAX_PARTS;
-pub use flags::{PatchFlags, Surface};
+pub use flags::{BoundsKind, PatchFlags, Surface};
 pub use hit::{Hit, Solver};
 pub use outline::Outline;
 pub use packet::{HitLanes, RayLanes};
@@ -49,4 +51,5 @@ pub use patch::{FlatReason, Patch, PatchKind, PatchRecord};
 pub use point::SurfacePoint;
 pub use ray::{Ray, Segment};
 pub use real::{Jet, Mask, Real, Scalar};
+pub use sphere::Sphere;
 pub use vector::{Vector, vector};

@@ -6,9 +6,10 @@
 
 use super::bounds::{self, HeightNet};
 use super::correction;
-use super::flags::{PatchFlags, Surface};
+use super::flags::{BoundsKind, PatchFlags, Surface};
 use super::outline::Outline;
 use super::real::{Real, Scalar, three};
+use super::sphere::{Enlargement, Sphere};
 use super::vector::{Vector, vector};
 
 /// Below this cosine between a vertex normal and the triangle's plane normal the method does not
@@ -117,6 +118,7 @@ pub(super) struct Vertex<S> {
 pub struct PatchRecord {
     pub(super) flags: PatchFlags,
     pub(super) kind: PatchKind,
+    pub(super) enlargement: Enlargement,
     pub(super) slab: [f32; 2],
     pub(super) correction: [[f32; 3]; 3],
 }
@@ -158,6 +160,8 @@ pub struct Patch<S> {
     pub(super) area2: S,
     /// Least and greatest height of the surface over its plane.
     pub(super) slab: [S; 2],
+    /// What rays are clipped to in the slab's place, and what the box is of, where it was asked for.
+    pub(super) sphere: Option<Sphere<S>>,
     pub(super) rule: Rule,
     pub(super) any_obtuse: bool,
     pub(super) any_loose: bool,
@@ -191,6 +195,9 @@ impl<S: Scalar> Patch<S> {
             }
         };
         patch.slab = net.slab();
+        if flags.bounds() == BoundsKind::Sphere {
+            patch.sphere = Some(Sphere::around(&patch, &net));
+        }
         patch
     }
 
@@ -208,6 +215,9 @@ impl<S: Scalar> Patch<S> {
         PatchRecord {
             flags,
             kind: self.kind,
+            enlargement: self
+                .sphere
+                .map_or_else(Default::default, |s| s.enlargement()),
             slab: self.slab.map(|z| z.to_f64() as f32),
             correction: self
                 .sides
@@ -234,6 +244,12 @@ impl<S: Scalar> Patch<S> {
     /// positions. Conservative.
     pub fn heights(&self) -> [S; 2] {
         self.slab.map(|z| z * self.size)
+    }
+
+    /// The sphere that bounds the patch, if it was [asked](PatchFlags::with_bounds) for and the patch is
+    /// not flat.
+    pub fn sphere(&self) -> Option<&Sphere<S>> {
+        self.sphere.as_ref()
     }
 
     /// Everything that follows from the vertices without looking at the surface.
@@ -347,6 +363,7 @@ impl<S: Scalar> Patch<S> {
             along_base: none,
             area2: zero,
             slab: [zero; 2],
+            sphere: None,
             rule: Rule::Flat,
             any_obtuse: false,
             any_loose: false,
