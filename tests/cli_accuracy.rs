@@ -18,7 +18,7 @@ const BODIES: [(&str, u64); 9] = [
     ("torus-48x64", 6144),
     ("torus-96x128", 24576),
 ];
-const OURS: [&str; 4] = ["flat", "angular", "tensor", "smooth"];
+const OURS: [&str; 5] = ["flat", "paper", "angular", "tensor", "smooth"];
 
 fn json(args: &[&str]) -> Value {
     let shop = Workshop::new();
