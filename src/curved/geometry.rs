@@ -122,8 +122,11 @@ impl CurvedMesh {
     }
 
     fn outline(&self, triangle: u32) -> Outline<'_, f32> {
-        let (positions, normals) = super::corners(&self.mesh, triangle as usize);
-        Outline::new(positions, normals, &self.records[triangle as usize])
+        super::outline(
+            &self.mesh,
+            triangle as usize,
+            &self.records[triangle as usize],
+        )
     }
 
     /// The first roots of some rays of a query.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::{CurvedMesh, CurvedOptions, Kinds};
+use super::{CurvedMesh, CurvedOptions, Kinds, Spheres};
 use crate::embree::UserGeometry;
 use crate::mesh::{Bounds, LoadReport, Loaded, Mesh, TopologyCounts};
 use crate::surface::{Patch, PatchKind};
@@ -43,6 +43,8 @@ pub struct Inspection {
     pub topology: TopologyCounts,
     /// Triangles by kind.
     pub kinds: Kinds,
+    /// Curved triangles by the sphere that bounds them, where spheres were asked for.
+    pub spheres: Spheres,
     /// How far the curved surface lies off its triangles.
     pub heights: Heights,
     /// Memory to expect.
@@ -111,6 +113,7 @@ impl Inspection {
             sides,
             topology: *curved.topology(),
             kinds: *curved.kinds(),
+            spheres: *curved.spheres(),
             heights: Heights::of(&curved),
             memory: MemoryNeed {
                 mesh: mesh.memory() as u64,

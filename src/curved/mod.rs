@@ -8,6 +8,7 @@ mod geometry;
 mod inspection;
 mod kinds;
 mod prepare;
+mod spheres;
 
 use std::sync::Arc;
 
@@ -15,12 +16,13 @@ use rayon::prelude::*;
 
 use crate::embree::Bounds;
 use crate::mesh::{Mesh, Topology, TopologyCounts};
-use crate::surface::{Patch, PatchRecord, Solver, Surface, Vector};
+use crate::surface::{BoundsKind, Outline, Patch, PatchRecord, Solver, Surface, Vector};
 
 use clusters::Cluster;
 pub use counters::{Counters, counters};
 pub use inspection::{Heights, Inspection, MemoryNeed, SideLengths};
 pub use kinds::Kinds;
+pub use spheres::Spheres;
 
 /// What Embree is given as one primitive. Hits name triangles either way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,11 +44,34 @@ pub struct CurvedOptions {
     pub solver: Solver,
     /// What is one primitive to Embree.
     pub primitives: Primitives,
+    /// What bounds a triangle's box and a ray's way over it.
+    pub bounds: BoundsKind,
     /// Every triangle as the paper has it, from its own vertices alone: also where its guide field
     /// folds over or bends too much for the method's guarantees, and with curved sides also at hard
     /// edges and towards flat triangles. For measuring the method itself: rays may slip through
     /// where it is used.
     pub unchecked: bool,
+}
+
+impl CurvedOptions {
+    /// The paper's own form of the method: the angular surface (19), boxes of the sphere of greatest
+    /// curvature (3), rays between the three side planes (5) and within that sphere, roots of (44) by
+    /// the iterative algorithm (ITA) to `n = 24` binary digits, `n1 = 3` at a time (sections 4.3, 4.4
+    /// and 4.8).
+    ///
+    /// What is ours in it: hard edges and the triangles that the method cannot take are treated as for
+    /// all surfaces (the paper has neither), and so are the spheres that the surface would leave and
+    /// those of needles: [`Spheres`] counts them.
+    #[must_use]
+    pub fn paper() -> Self {
+        Self {
+            surface: Surface::Angular,
+            solver: Solver::ITA,
+            bounds: BoundsKind::Sphere,
+            primitives: Primitives::Triangles,
+            unchecked: false,
+        }
+    }
 }
 
 /// A mesh whose triangles are curved patches, ready to be an Embree user geometry.
@@ -59,6 +84,7 @@ pub struct CurvedMesh {
     clusters: Option<Box<[Cluster]>>,
     solver: Solver,
     kinds: Kinds,
+    spheres: Spheres,
     topology: TopologyCounts,
 }
 
@@ -77,6 +103,7 @@ impl CurvedMesh {
             clusters: None,
             solver: options.solver,
             kinds: prepared.kinds,
+            spheres: prepared.spheres,
             topology: *topology.counts(),
         };
         if options.primitives == Primitives::Clusters {
@@ -111,6 +138,11 @@ impl CurvedMesh {
         &self.kinds
     }
 
+    /// How many triangles have which sphere, where spheres were asked for.
+    pub fn spheres(&self) -> &Spheres {
+        &self.spheres
+    }
+
     /// How the triangles meet at their sides.
     pub fn topology(&self) -> &TopologyCounts {
         &self.topology
@@ -141,6 +173,12 @@ impl CurvedMesh {
         let wide = |v: [Vector<f32>; 3]| v.map(Vector::to_f64);
         Patch::new(wide(positions), wide(normals), flags)
     }
+}
+
+/// What a triangle's rays are clipped to.
+fn outline<'a>(mesh: &Mesh, triangle: usize, record: &'a PatchRecord) -> Outline<'a, f32> {
+    let (positions, normals) = corners(mesh, triangle);
+    Outline::new(positions, normals, record)
 }
 
 /// A triangle's positions and normals as the kernel takes them.

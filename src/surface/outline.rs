@@ -1,9 +1,11 @@
 //! The half of a patch that tells most rays that they miss it.
 
+use super::flags::BoundsKind;
 use super::patch::{Patch, PatchKind, Rule};
 use super::ray::{Ray, Segment};
 use super::real::{Real, Scalar};
 use super::record::PatchRecord;
+use super::sphere::Sphere;
 use super::vector::Vector;
 
 /// A patch's plane, side planes and slab: what tells most rays that they miss, for half of what the
@@ -35,6 +37,9 @@ impl<'a, S: Scalar> Outline<'a, S> {
             PatchKind::Flat(reason) => patch.flatten(reason),
             PatchKind::Degenerate => {}
         }
+        if record.flags().bounds() == BoundsKind::Sphere && patch.rule != Rule::Flat {
+            patch.sphere = Some(Sphere::of_record(&patch, record.enlargement));
+        }
         Self {
             patch,
             edges: edges.unwrap_or(patch.gradients),
@@ -47,6 +52,11 @@ impl<'a, S: Scalar> Outline<'a, S> {
     #[inline(always)]
     pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Segment<V> {
         self.patch.clip(ray, valid)
+    }
+
+    /// The same as [`Patch::sphere`].
+    pub fn sphere(&self) -> Option<&Sphere<S>> {
+        self.patch.sphere()
     }
 
     /// The same as [`Patch::beyond`].

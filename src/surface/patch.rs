@@ -6,10 +6,11 @@
 
 use super::bounds::{self, HeightNet};
 use super::correction;
-use super::flags::{PatchFlags, Surface};
+use super::flags::{BoundsKind, PatchFlags, Surface};
 use super::outline::Outline;
 use super::real::{Real, Scalar, three};
 use super::record::PatchRecord;
+use super::sphere::Sphere;
 use super::vector::{Vector, vector};
 
 /// Below this cosine between a vertex normal and the triangle's plane normal the method does not
@@ -137,6 +138,8 @@ pub struct Patch<S> {
     pub(super) area2: S,
     /// Least and greatest height of the surface over its plane.
     pub(super) slab: [S; 2],
+    /// What rays are clipped to in the slab's place, and what the box is of, where it was asked for.
+    pub(super) sphere: Option<Sphere<S>>,
     pub(super) rule: Rule,
     pub(super) any_obtuse: bool,
     pub(super) any_loose: bool,
@@ -170,6 +173,9 @@ impl<S: Scalar> Patch<S> {
             }
         };
         patch.slab = net.slab();
+        if flags.bounds() == BoundsKind::Sphere {
+            patch.sphere = Some(Sphere::around(&patch, &net));
+        }
         patch
     }
 
@@ -201,6 +207,12 @@ impl<S: Scalar> Patch<S> {
     /// positions. Conservative.
     pub fn heights(&self) -> [S; 2] {
         self.slab.map(|z| z * self.size)
+    }
+
+    /// The sphere that bounds the patch, if it was [asked](PatchFlags::with_bounds) for and the patch is
+    /// not flat.
+    pub fn sphere(&self) -> Option<&Sphere<S>> {
+        self.sphere.as_ref()
     }
 
     /// Everything that follows from the vertices without looking at the surface.
@@ -314,6 +326,7 @@ impl<S: Scalar> Patch<S> {
             along_base: none,
             area2: zero,
             slab: [zero; 2],
+            sphere: None,
             rule: Rule::Flat,
             any_obtuse: false,
             any_loose: false,

@@ -3,6 +3,7 @@
 use super::flags::PatchFlags;
 use super::patch::{FlatReason, Patch, PatchKind};
 use super::real::Scalar;
+use super::sphere::Enlargement;
 
 /// The per-triangle results worth keeping: with the three vertices they give the patch back
 /// without computing bounds and correction again.
@@ -17,6 +18,8 @@ pub struct PatchRecord {
     flags: PatchFlags,
     kind: u8,
     exponent: i8,
+    /// Of the sphere of greatest curvature, where that bounds the patch.
+    pub(super) enlargement: Enlargement,
 }
 
 const _: () = assert!(
@@ -75,6 +78,9 @@ impl<S: Scalar> Patch<S> {
             flags,
             kind: kind.expect("every kind is in the list") as u8,
             exponent: exponent as i8,
+            enlargement: self
+                .sphere
+                .map_or_else(Default::default, |s| s.enlargement()),
         }
     }
 
