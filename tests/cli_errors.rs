@@ -119,6 +119,11 @@ fn nonsense_is_a_usage_error() {
         &["--sun-direction", "0,0,0"],
         &["--surface", "bumpy"],
         &["--surface", "flat", "--ita-bits", "9"],
+        &["--surface", "flat", "--method", "paper"],
+        &["--surface", "flat", "--bounds", "tight"],
+        &["--surface", "flat", "--solver", "finish"],
+        &["--solver", "finish", "--ita-step", "2"],
+        &["--method", "best"],
         &["--ita-bits", "0"],
         &["--ita-step", "40"],
         &["--crease-angle", "NaN"],
@@ -144,6 +149,24 @@ fn nonsense_is_a_usage_error() {
         shop.fails(2, args);
     }
     assert_eq!(shop.names(), ["m.obj"]);
+}
+
+#[test]
+fn contradicting_parts_of_the_method_are_told_with_what_to_do() {
+    let shop = Workshop::new();
+    let mesh = shop.write("m.obj", TRIANGLE);
+    let said = |args: &[&str]| shop.fails(2, &[&["inspect", &mesh], args].concat());
+    let flat = said(&["--surface", "flat", "--method", "paper"]);
+    assert!(
+        flat.contains("--method paper is for curved surfaces"),
+        "{flat}"
+    );
+    assert!(flat.contains("leave it out, or --surface flat"), "{flat}");
+    let digits = said(&["--method", "paper", "--solver", "finish", "--ita-bits", "9"]);
+    assert!(
+        digits.contains("are for --solver ita; leave them out"),
+        "{digits}"
+    );
 }
 
 #[test]

@@ -3,13 +3,15 @@
 use std::ops::Add;
 use std::time::Duration;
 
-use crate::curved::{Counters, Kinds};
+use crate::curved::{Counters, Kinds, Spheres};
 
 /// What a picture took: time, memory, rays, and the kernel's work.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderStats {
     /// Triangles by kind, of all meshes.
     pub triangles: Kinds,
+    /// Curved triangles by the sphere that bounds them, where spheres were asked for.
+    pub spheres: Spheres,
     /// Time by step.
     pub times: Times,
     /// Memory by part.
