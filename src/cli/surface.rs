@@ -114,8 +114,9 @@ impl SurfaceArgs {
                 NormalsChoice::Auto => NormalsPolicy::Auto,
             },
         };
-        let bar = console.spinner("reading");
-        let loaded = mesh::load(path, &options)?;
+        let bar = console.progress("reading", 1000);
+        let told = |share| bar.set_position((1000.0 * share) as u64);
+        let loaded = mesh::load_watched(path, &options, &told)?;
         bar.finish_and_clear();
         console.note(&format!(
             "{}: {} triangles, {} vertices",

@@ -3,7 +3,7 @@
 use super::finish::{self, MAX_PARTS, Samples};
 use super::ita::{self, Root};
 use super::patch::{Patch, PatchKind, Rule, next};
-use super::ray::{Ray, Segment};
+use super::ray::{self, Ray, Segment};
 use super::real::{Mask, Real, Scalar, inlined};
 use super::vector::Vector;
 
@@ -125,7 +125,7 @@ impl<S: Scalar> Patch<S> {
         let at = segment.plane_crossing();
         let inside = at.constant(0.0).at_most(at) & at.at_most(segment.length);
         let ([u, v], moved) = self.kept_inside(segment.projection(at));
-        let found = segment.alive & inside & moved.at_most(segment.stray_room);
+        let found = segment.alive & inside & moved.at_most(segment.side_room);
         Hit {
             found,
             t: segment.start + at,
@@ -153,7 +153,7 @@ impl<S: Scalar> Patch<S> {
             let room = segment.stray_room;
             let met = root.value.at_most(room + segment.steps(root.width));
             let on_guide = self.strayed(&foot, above, z).at_most(room);
-            let true_root = root.found & met & on_guide & moved.at_most(room);
+            let true_root = root.found & met & on_guide & moved.at_most(segment.side_room);
             hit.t = V::select(true_root, segment.start + root.at, hit.t);
             hit.u = V::select(true_root, u, hit.u);
             hit.v = V::select(true_root, v, hit.v);

@@ -31,6 +31,9 @@ pub struct Segment<V: Real> {
     /// How far beside a guide a point may lie and still count as on it, in units of the patch's
     /// size: what rounding of the ray comes to.
     pub(super) stray_room: V,
+    /// How far outside a flat triangle a crossing of its plane may lie and still count as on its
+    /// side, in the same units.
+    pub(super) side_room: V,
     /// Length of the direction in units of the patch's size.
     speed: V,
     /// Barycentric coordinates of the vertical projection at the start, and their rates.
@@ -50,6 +53,12 @@ const STRAY_EPSILONS: f64 = 64.0;
 const STEEPEST: f64 = 8.0;
 /// What a ray from one unit away moves by rounding, in units of epsilon.
 const RAY_EPSILONS: f64 = 4.0;
+/// A flat triangle lower than this, in units of its size, is thin: the guard's share of its height
+/// does not make up for rounding of the triangle itself, nor for how far along its plane a ray at a
+/// grazing angle is moved by its own.
+const THIN: f64 = 1.0 / 32.0;
+/// The least sine of a grazing angle that is made up for.
+const LEAST_SINE: f64 = 1e-3;
 
 /// How far beyond side `k` a ray from this distance, in units of the patch's size, still counts.
 ///
@@ -59,6 +68,12 @@ const RAY_EPSILONS: f64 = 4.0;
 fn guard<S: Scalar, V: Real<Scalar = S>>(patch: &Patch<S>, k: usize, distance: V) -> V {
     let ulps = S::EPSILON * S::from_f64(RAY_EPSILONS) / patch.sides[k].height;
     distance * distance.splat(ulps) + distance.splat(S::EPSILON * S::from_f64(OVERLAP_EPSILONS))
+}
+
+/// Whether a patch is a flat triangle so thin that rounding along its plane matters.
+#[inline(always)]
+pub(super) fn is_thin<S: Scalar>(patch: &Patch<S>) -> bool {
+    patch.rule == Rule::Flat && patch.sides[patch.base].height < S::from_f64(THIN)
 }
 
 #[inline(always)]
@@ -99,11 +114,16 @@ impl<V: Real> Segment<V> {
         let like = distance;
         let epsilons = like.splat(S::EPSILON * S::from_f64(RAY_EPSILONS));
         let stray_room = distance * epsilons + like.splat(S::EPSILON * S::from_f64(STRAY_EPSILONS));
+        let side_room = match local.grazing(patch) {
+            Some(way) => stray_room + (distance + like.constant(1.0)) * epsilons * way,
+            None => stray_room,
+        };
         Self {
             start: entry,
             length: segment.length,
             alive: segment.alive,
             stray_room,
+            side_room,
             ..local
         }
     }
@@ -158,12 +178,41 @@ impl<V: Real> Segment<V> {
             length: end,
             alive: like.mask(true),
             stray_room: zero,
+            side_room: zero,
             speed: along.length(),
             b: coordinates(across.dot(corner), base.dot(corner), one),
             b_rate: coordinates(across.dot(along), base.dot(along), zero),
             z: normal.dot(from),
             z_rate: normal.dot(along),
         }
+    }
+
+    /// On a thin flat triangle, how far a ray that is off by one unit moves along the plane.
+    #[inline(always)]
+    fn grazing<S: Scalar>(&self, patch: &Patch<S>) -> Option<V>
+    where
+        V: Real<Scalar = S>,
+    {
+        is_thin(patch).then(
+            #[inline(always)]
+            || {
+                let least = self.speed * self.speed.constant(LEAST_SINE);
+                self.speed / self.z_rate.abs().greater(least)
+            },
+        )
+    }
+
+    /// How much later than a point of the plane the ray passes another one nearest, which lies off
+    /// the first by these barycentric coordinates of the second and third vertex.
+    #[inline(always)]
+    pub(super) fn later<S: Scalar>(&self, patch: &Patch<S>, [u, v]: [V; 2]) -> V
+    where
+        V: Real<Scalar = S>,
+    {
+        let [to_second, to_third] = Vector::splat_both(u, patch.spokes);
+        let along = to_second * self.b_rate[1] + to_third * self.b_rate[2];
+        let off = to_second * u + to_third * v;
+        along.dot(off) / (self.speed * self.speed)
     }
 
     /// Sets `start`, `length` and `alive`, all still in the ray's parameter from its origin.
@@ -187,10 +236,15 @@ impl<V: Real> Segment<V> {
                 alive = alive & (moves | zero.at_most(value));
             },
         );
+        let grazing = self.grazing(patch);
         for (k, side) in patch.sides.iter().enumerate() {
             let m = next(next(k));
             let tilt = like.splat(side.tilt);
-            let guard = guard(patch, k, distance);
+            let mut guard = guard(patch, k, distance);
+            if let Some(way) = grazing {
+                let ulps = S::EPSILON * S::from_f64(RAY_EPSILONS) / side.height;
+                guard = guard + (distance + like.constant(1.0)) * way * like.splat(ulps);
+            }
             keep(
                 self.b[m] - tilt * self.z + guard,
                 self.b_rate[m] - tilt * self.z_rate,
@@ -231,6 +285,7 @@ impl<V: Real> Segment<V> {
             length: like.splat(self.length),
             alive: like.mask(self.alive),
             stray_room: like.splat(self.stray_room),
+            side_room: like.splat(self.side_room),
             speed: like.splat(self.speed),
             b: all(self.b),
             b_rate: all(self.b_rate),
