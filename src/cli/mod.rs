@@ -4,6 +4,7 @@ mod accuracy;
 mod accuracy_report;
 mod console;
 mod inspect;
+mod paint;
 mod render;
 mod stats;
 mod surface;

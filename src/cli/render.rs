@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use curvetri::embree::Device;
-use curvetri::mesh::Mesh;
+use curvetri::mesh::{FileCamera, Scenery};
 use curvetri::render::{
     Background, Camera, Film, Framing, Ground, Lighting, OutputFile, Picture, RenderStats, Scene,
     UpAxis, render,
@@ -15,7 +15,11 @@ use glam::DVec3;
 
 use super::console::Console;
 use super::surface::SurfaceArgs;
+use super::values::UpChoice;
 use super::{console, device, on_threads, stats, usage, values};
+
+/// The angle that the picture's height covers where nothing says it, in degrees.
+const DEFAULT_FOV: f64 = 35.0;
 
 /// The most pixels of a picture: four gigabytes of film.
 const MOST_PIXELS: usize = 1 << 28;
@@ -77,6 +81,11 @@ struct ViewArgs {
     #[arg(long, value_enum, default_value_t = UpChoice::Y)]
     up_axis: UpChoice,
 
+    /// A camera of the files, by its name or number (the first is 0), or none [default: the first,
+    /// where no --eye, --target or --up is given]
+    #[arg(long, value_name = "NAME|N|none")]
+    camera: Option<String>,
+
     /// Where the camera is [default: in front, above, a little to the right, as near as shows all]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     eye: Option<DVec3>,
@@ -89,15 +98,16 @@ struct ViewArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
     up: Option<DVec3>,
 
-    /// The angle that the picture's height covers
-    #[arg(long, value_name = "DEGREES", default_value = "35", value_parser = values::fov)]
-    fov: f64,
+    /// The angle that the picture's height covers [default: the file's camera's, or 35]
+    #[arg(long, value_name = "DEGREES", value_parser = values::fov)]
+    fov: Option<f64>,
 }
 
 #[derive(Args)]
 #[command(next_help_heading = "Light and ground")]
 struct LightArgs {
-    /// The direction towards the sun [default: to the upper left, in front]
+    /// The direction towards the sun [default: the files' first directional light's, or to the upper
+    /// left, in front]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
     sun_direction: Option<DVec3>,
 
@@ -127,12 +137,6 @@ struct LightArgs {
     transparent: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum UpChoice {
-    Y,
-    Z,
-}
-
 /// Runs the command.
 pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let form = args.surface.form()?;
@@ -150,17 +154,20 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let device = device(args.threads)?;
     let (film, stats) = on_threads(args.threads, || {
         let start = Instant::now();
-        let meshes: Result<Vec<Mesh>> = args
-            .meshes
-            .iter()
-            .map(|path| args.surface.load(path, console))
-            .collect();
-        let (meshes, load) = (meshes?, start.elapsed());
+        let (mut meshes, mut scenery) = (Vec::new(), Scenery::default());
+        for path in &args.meshes {
+            let loaded = args.surface.load(path, console)?;
+            meshes.push(loaded.mesh);
+            scenery.cameras.extend(loaded.scenery.cameras);
+            scenery.suns.extend(loaded.scenery.suns);
+        }
+        let load = start.elapsed();
+        let file_camera = args.view.file_camera(&scenery.cameras)?;
         let output = OutputFile::create(&args.output)?;
         let bar = console.spinner("building");
         let scene = Scene::new(&device, meshes, form).context("cannot build the scene")?;
         bar.finish_and_clear();
-        let (film, mut stats) = args.trace(&scene, size, console)?;
+        let (film, mut stats) = args.trace(&scene, size, file_camera, &scenery.suns, console)?;
         stats.times.load = load;
         output.finish(|out| film.write_png(out, args.light.background(), args.light.exposure))?;
         Ok((film, stats))
@@ -187,12 +194,14 @@ impl RenderArgs {
         &self,
         scene: &Scene,
         [width, height]: [usize; 2],
+        file_camera: Option<&FileCamera>,
+        suns: &[DVec3],
         console: &Console,
     ) -> Result<(Film, RenderStats)> {
-        let lighting = self.light.lighting(self.view.up_axis.axis());
+        let lighting = self.light.lighting(self.view.up_axis.axis(), suns);
         let framing = Framing {
             up: self.view.up_axis.axis(),
-            fov_degrees: self.view.fov,
+            fov_degrees: self.view.fov.unwrap_or(DEFAULT_FOV),
             aspect: width as f64 / height as f64,
             shadows_of: self.light.ground.then_some(lighting.towards_sun),
         };
@@ -200,7 +209,7 @@ impl RenderArgs {
             width,
             height,
             samples: self.samples,
-            camera: self.view.camera(framing.camera(scene)),
+            camera: self.view.camera(file_camera, || framing.camera(scene)),
             lighting,
             albedo: self.light.albedo,
             ground: if self.light.ground {
@@ -246,23 +255,56 @@ impl RenderArgs {
 }
 
 impl ViewArgs {
-    /// The camera as asked for, and where nothing is asked for as it framed the scene.
-    fn camera(&self, framed: Camera) -> Camera {
-        let target = self.target.unwrap_or(framed.target);
+    /// The camera of the files that is asked for, or the first where nothing is.
+    fn file_camera<'a>(&self, cameras: &'a [FileCamera]) -> Result<Option<&'a FileCamera>> {
+        let Some(wanted) = &self.camera else {
+            let placed = self.eye.is_some() || self.target.is_some() || self.up.is_some();
+            return Ok(cameras.first().filter(|_| !placed));
+        };
+        if wanted == "none" {
+            return Ok(None);
+        }
+        let by_name = cameras.iter().find(|camera| camera.name == *wanted);
+        let by_number = || wanted.parse().ok().and_then(|n: usize| cameras.get(n));
+        if let Some(camera) = by_name.or_else(by_number) {
+            return Ok(Some(camera));
+        }
+        let names: Vec<String> = cameras.iter().map(|c| format!("{:?}", c.name)).collect();
+        usage(match names.len() {
+            0 => format!("there is no camera {wanted:?}: the files have none"),
+            _ => format!(
+                "there is no camera {wanted:?}; there are {}",
+                names.join(", ")
+            ),
+        })
+    }
+
+    /// The camera as asked for, and where nothing is asked for the file's, or as it framed the scene.
+    fn camera(&self, file: Option<&FileCamera>, framed: impl FnOnce() -> Camera) -> Camera {
+        let start = match file {
+            Some(file) => Camera {
+                eye: file.eye,
+                target: file.eye + file.forward,
+                up: file.up,
+                fov_degrees: self.fov.unwrap_or(file.fov_degrees),
+            },
+            None => framed(),
+        };
+        let target = self.target.unwrap_or(start.target);
         Camera {
-            // A target of its own moves the framing camera along.
-            eye: self.eye.unwrap_or(framed.eye + target - framed.target),
+            // A target of its own moves the camera along.
+            eye: self.eye.unwrap_or(start.eye + target - start.target),
             target,
-            up: self.up.unwrap_or(framed.up),
-            ..framed
+            up: self.up.unwrap_or(start.up),
+            ..start
         }
     }
 }
 
 impl LightArgs {
-    fn lighting(&self, up: UpAxis) -> Lighting {
+    fn lighting(&self, up: UpAxis, suns: &[DVec3]) -> Lighting {
         let mut lighting = Lighting::daylight(up);
-        if let Some(direction) = self.sun_direction {
+        if let Some(direction) = self.sun_direction.or(suns.first().copied()) {
             lighting.towards_sun = direction.as_vec3().normalize();
         }
         lighting.sun *= self.sun;
@@ -276,15 +318,6 @@ impl LightArgs {
             Background::Transparent
         } else {
             Background::default()
-        }
-    }
-}
-
-impl UpChoice {
-    fn axis(self) -> UpAxis {
-        match self {
-            Self::Y => UpAxis::Y,
-            Self::Z => UpAxis::Z,
         }
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use curvetri::curved::CurvedOptions;
-use curvetri::mesh::{self, LoadOptions, Loaded, Mesh, NormalsPolicy};
+use curvetri::mesh::{self, LoadOptions, Loaded, NormalsPolicy};
 use curvetri::render::Form;
 use curvetri::surface::{Solver, Surface};
 
@@ -96,12 +96,12 @@ impl SurfaceArgs {
     }
 
     /// Reads a mesh and tells what was odd about it.
-    pub fn load(&self, path: &Path, console: &Console) -> Result<Mesh> {
+    pub fn load(&self, path: &Path, console: &Console) -> Result<Loaded> {
         let loaded = self.read(path, console)?;
         for warning in &loaded.report.warnings {
             console.warn(&format!("{}: {warning}", path.display()));
         }
-        Ok(loaded.mesh)
+        Ok(loaded)
     }
 
     /// Reads a mesh, with what was odd about it.

@@ -96,9 +96,13 @@ impl Inspection {
     /// Looks at a mesh as it was read, curved with these options.
     #[must_use]
     pub fn new(loaded: Loaded, options: &CurvedOptions) -> Inspection {
-        let Loaded { mesh, report } = loaded;
-        let sides = SideLengths::of(&mesh);
-        let curved = CurvedMesh::new(Arc::new(mesh), options);
+        let Loaded { mesh, report, .. } = loaded;
+        Inspection::of(report, &CurvedMesh::new(Arc::new(mesh), options))
+    }
+
+    /// Looks at a curved mesh, of which this was met while it was read.
+    #[must_use]
+    pub fn of(report: LoadReport, curved: &CurvedMesh) -> Inspection {
         let mesh = curved.mesh();
         let triangles = mesh.triangles().len() as u64;
         Inspection {
@@ -107,10 +111,10 @@ impl Inspection {
             vertices: mesh.positions().len() as u64,
             bounds: mesh.bounds(),
             origin: mesh.origin(),
-            sides,
+            sides: SideLengths::of(mesh),
             topology: *curved.topology(),
             kinds: *curved.kinds(),
-            heights: Heights::of(&curved),
+            heights: Heights::of(curved),
             memory: MemoryNeed {
                 mesh: mesh.memory() as u64,
                 records: curved.memory() as u64,

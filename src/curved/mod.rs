@@ -11,7 +11,7 @@ mod prepare;
 use std::sync::Arc;
 
 use crate::mesh::{Mesh, Topology, TopologyCounts};
-use crate::surface::{Patch, PatchRecord, Solver, Surface, Vector};
+use crate::surface::{Patch, PatchKind, PatchRecord, Solver, Surface, Vector};
 
 pub use counters::{Counters, counters};
 pub use inspection::{Heights, Inspection, MemoryNeed, SideLengths};
@@ -69,6 +69,14 @@ impl CurvedMesh {
     /// How many triangles turned out to be what.
     pub fn kinds(&self) -> &Kinds {
         &self.kinds
+    }
+
+    /// What one triangle turned out to be.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub fn kind(&self, triangle: u32) -> PatchKind {
+        self.records[triangle as usize].kind()
     }
 
     /// How the triangles meet at their sides.

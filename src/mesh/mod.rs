@@ -12,6 +12,7 @@ mod fan;
 mod format;
 mod gltf;
 mod gltf_buffers;
+mod gltf_scenery;
 mod input;
 #[cfg(test)]
 mod mangle;
@@ -25,6 +26,7 @@ mod ply;
 mod ply_body;
 mod polygon;
 mod raw;
+mod scenery;
 mod snap;
 mod stl;
 mod text;
@@ -40,6 +42,7 @@ pub use error::{LoadError, MAX_COORDINATE, MAX_INDICES, MeshError};
 pub use normals::{NormalsPolicy, NormalsReport};
 pub use obj_write::{obj_text, write_obj};
 pub use raw::{NO_NORMAL, RawMesh};
+pub use scenery::{FileCamera, Scenery};
 pub use topology::{NO_TRIANGLE, SideKind, Topology, TopologyCounts};
 pub use triangle_mesh::{Bounds, Mesh};
 
@@ -67,6 +70,8 @@ impl Default for LoadOptions {
 pub struct Loaded {
     /// The mesh.
     pub mesh: Mesh,
+    /// Cameras and lights beside it.
+    pub scenery: Scenery,
     /// What was met.
     pub report: LoadReport,
 }
@@ -96,7 +101,19 @@ const READING: f32 = 0.6;
 #[derive(Debug)]
 struct Parsed {
     raw: RawMesh,
+    scenery: Scenery,
     report: LoadReport,
+}
+
+impl Parsed {
+    /// Nothing but a mesh.
+    fn new(raw: RawMesh, report: LoadReport) -> Parsed {
+        Parsed {
+            raw,
+            scenery: Scenery::default(),
+            report,
+        }
+    }
 }
 
 /// Reads a mesh file, or standard input where the path is `-`.
@@ -153,7 +170,11 @@ fn load_bytes_watched(
     progress: Progress<'_>,
 ) -> Result<Loaded, LoadError> {
     let parsed = parse(bytes, path, &|share| progress(READING * share))?;
-    let Parsed { raw, mut report } = parsed;
+    let Parsed {
+        raw,
+        scenery,
+        mut report,
+    } = parsed;
     progress(READING);
     let (mesh, made) = raw.into_mesh(options).map_err(|source| LoadError::Mesh {
         path: path.into(),
@@ -163,7 +184,11 @@ fn load_bytes_watched(
     report.normals = made.normals;
     report.snapped = made.snapped;
     report.warn();
-    Ok(Loaded { mesh, report })
+    Ok(Loaded {
+        mesh,
+        scenery,
+        report,
+    })
 }
 
 fn parse(bytes: Vec<u8>, path: &Path, progress: Progress<'_>) -> Result<Parsed, LoadError> {

@@ -103,7 +103,7 @@ fn join(mut raw: RawMesh, parts: Vec<Part>, path: &Path) -> Result<Parsed, Fault
         normal_corners.extend(triangles.1);
     }
     raw.normal_corners = has_normals.then_some(normal_corners);
-    Ok(Parsed { raw, report })
+    Ok(Parsed::new(raw, report))
 }
 
 fn warn(report: &mut LoadReport, libraries: &[&String], path: &Path) {

@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use super::light::Lighting;
 use super::scene::{Scene, reach, rounding};
 use super::stats::Rays;
-use crate::embree::{QueryOptions, Ray, RayPacket};
+use crate::embree::{Hit, QueryOptions, Ray, RayPacket};
 
 /// Rays traced together.
 pub(super) const LANES: usize = 16;
@@ -23,6 +23,9 @@ pub(super) struct GroundPlane {
     pub fade: [f32; 2],
 }
 
+/// Gives a hit's own albedo, in place of the picture's.
+pub type Paint<'a> = &'a (dyn Fn(&Hit) -> Vec3 + Sync);
+
 /// What a ray sees, before it is lit.
 #[derive(Clone, Copy)]
 struct Seen {
@@ -32,6 +35,8 @@ struct Seen {
     normal: Vec3,
     /// How much of the background it hides.
     coverage: f32,
+    /// Share of light that it reflects.
+    albedo: Vec3,
 }
 
 /// Diffuse surfaces under a sun and a sky.
@@ -40,6 +45,7 @@ pub(super) struct Direct<'a> {
     pub lighting: &'a Lighting,
     /// Share of light that surfaces reflect.
     pub albedo: f32,
+    pub paint: Option<Paint<'a>>,
     pub ground: Option<GroundPlane>,
 }
 
@@ -88,7 +94,7 @@ impl Direct<'_> {
         } else {
             Vec3::ZERO
         };
-        (seen.coverage * self.albedo * (sky + sun)).extend(seen.coverage)
+        (seen.coverage * seen.albedo * (sky + sun)).extend(seen.coverage)
     }
 
     /// What a lane's ray sees first: a mesh or the ground.
@@ -110,6 +116,9 @@ impl Direct<'_> {
             start: self.scene.leaving_point(&hit, &ray, normal),
             normal,
             coverage: 1.0,
+            albedo: self
+                .paint
+                .map_or(Vec3::splat(self.albedo), |paint| paint(&hit)),
         })
     }
 
@@ -131,6 +140,7 @@ impl Direct<'_> {
             start: ray.at(t) + off * normal,
             normal,
             coverage,
+            albedo: Vec3::splat(self.albedo),
         };
         (coverage > 0.0).then_some(seen)
     }

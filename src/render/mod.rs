@@ -23,10 +23,11 @@ pub use batch::{
     answer_occluded, answer_rays,
 };
 pub use camera::{Camera, CameraError, UpAxis};
+pub use direct::Paint;
 pub use film::{Background, Film};
 pub use framing::Framing;
 pub use light::{Lighting, Sky};
 pub use output::{OutputError, OutputFile, WriteSeek};
 pub use scene::{Form, Scene, SceneError, Shape};
 pub use stats::{MemoryParts, Rays, RenderStats, Times};
-pub use tiles::{Ground, Picture, render};
+pub use tiles::{Ground, Picture, render, render_painted};

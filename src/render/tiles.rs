@@ -8,7 +8,7 @@ use glam::Vec4;
 use rayon::prelude::*;
 
 use super::camera::{Camera, CameraError, Lens};
-use super::direct::{Direct, GroundPlane, LANES};
+use super::direct::{Direct, GroundPlane, LANES, Paint};
 use super::film::Film;
 use super::light::Lighting;
 use super::sampler::PixelSampler;
@@ -67,6 +67,31 @@ pub fn render(
     picture: &Picture,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<(Film, RenderStats), CameraError> {
+    render_any(scene, picture, None, progress)
+}
+
+/// The same with an albedo for each hit.
+///
+/// # Errors
+/// As [`render`].
+///
+/// # Panics
+/// As [`render`].
+pub fn render_painted(
+    scene: &Scene,
+    picture: &Picture,
+    paint: Paint<'_>,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<(Film, RenderStats), CameraError> {
+    render_any(scene, picture, Some(paint), progress)
+}
+
+fn render_any(
+    scene: &Scene,
+    picture: &Picture,
+    paint: Option<Paint<'_>>,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<(Film, RenderStats), CameraError> {
     let (width, height) = (picture.width, picture.height);
     assert!(
         width > 0 && height > 0 && picture.samples > 0,
@@ -78,6 +103,7 @@ pub fn render(
         scene,
         lighting: &picture.lighting,
         albedo: picture.albedo,
+        paint,
         ground: picture.ground.plane(scene, &picture.lighting),
     };
     let columns = width.div_ceil(TILE);

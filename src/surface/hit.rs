@@ -124,11 +124,18 @@ impl<S: Scalar> Patch<S> {
     fn plane_hit<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Hit<V> {
         let at = segment.plane_crossing();
         let inside = at.constant(0.0).at_most(at) & at.at_most(segment.length);
-        let ([u, v], moved) = self.kept_inside(segment.projection(at));
-        let found = segment.alive & inside & moved.at_most(segment.side_room);
+        let b = segment.projection(at);
+        let ([u, v], moved) = self.kept_inside(b);
+        let (mut t, mut beside) = (segment.start + at, moved);
+        if ray::is_thin(self) {
+            // A ray at a grazing angle that was moved onto a side passes it elsewhere.
+            let [later, off] = segment.passing(self, [u - b[1], v - b[2]]);
+            (t, beside) = (t + later, off);
+        }
+        let found = segment.alive & inside & beside.at_most(segment.stray_room);
         Hit {
             found,
-            t: segment.start + at,
+            t,
             u,
             v,
             evaluations: 0,
@@ -153,7 +160,7 @@ impl<S: Scalar> Patch<S> {
             let room = segment.stray_room;
             let met = root.value.at_most(room + segment.steps(root.width));
             let on_guide = self.strayed(&foot, above, z).at_most(room);
-            let true_root = root.found & met & on_guide & moved.at_most(segment.side_room);
+            let true_root = root.found & met & on_guide & moved.at_most(room);
             hit.t = V::select(true_root, segment.start + root.at, hit.t);
             hit.u = V::select(true_root, u, hit.u);
             hit.v = V::select(true_root, v, hit.v);

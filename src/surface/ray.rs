@@ -31,9 +31,6 @@ pub struct Segment<V: Real> {
     /// How far beside a guide a point may lie and still count as on it, in units of the patch's
     /// size: what rounding of the ray comes to.
     pub(super) stray_room: V,
-    /// How far outside a flat triangle a crossing of its plane may lie and still count as on its
-    /// side, in the same units.
-    pub(super) side_room: V,
     /// Length of the direction in units of the patch's size.
     speed: V,
     /// Barycentric coordinates of the vertical projection at the start, and their rates.
@@ -114,16 +111,11 @@ impl<V: Real> Segment<V> {
         let like = distance;
         let epsilons = like.splat(S::EPSILON * S::from_f64(RAY_EPSILONS));
         let stray_room = distance * epsilons + like.splat(S::EPSILON * S::from_f64(STRAY_EPSILONS));
-        let side_room = match local.grazing(patch) {
-            Some(way) => stray_room + (distance + like.constant(1.0)) * epsilons * way,
-            None => stray_room,
-        };
         Self {
             start: entry,
             length: segment.length,
             alive: segment.alive,
             stray_room,
-            side_room,
             ..local
         }
     }
@@ -178,7 +170,6 @@ impl<V: Real> Segment<V> {
             length: end,
             alive: like.mask(true),
             stray_room: zero,
-            side_room: zero,
             speed: along.length(),
             b: coordinates(across.dot(corner), base.dot(corner), one),
             b_rate: coordinates(across.dot(along), base.dot(along), zero),
@@ -187,7 +178,7 @@ impl<V: Real> Segment<V> {
         }
     }
 
-    /// On a thin flat triangle, how far a ray that is off by one unit moves along the plane.
+    /// On a thin flat triangle, how much later a ray crosses the plane for a unit of height.
     #[inline(always)]
     fn grazing<S: Scalar>(&self, patch: &Patch<S>) -> Option<V>
     where
@@ -197,22 +188,25 @@ impl<V: Real> Segment<V> {
             #[inline(always)]
             || {
                 let least = self.speed * self.speed.constant(LEAST_SINE);
-                self.speed / self.z_rate.abs().greater(least)
+                self.speed.constant(1.0) / self.z_rate.abs().greater(least)
             },
         )
     }
 
     /// How much later than a point of the plane the ray passes another one nearest, which lies off
-    /// the first by these barycentric coordinates of the second and third vertex.
+    /// the first by these barycentric coordinates of the second and third vertex; and how far
+    /// beside it, in units of the patch's size.
     #[inline(always)]
-    pub(super) fn later<S: Scalar>(&self, patch: &Patch<S>, [u, v]: [V; 2]) -> V
+    pub(super) fn passing<S: Scalar>(&self, patch: &Patch<S>, [u, v]: [V; 2]) -> [V; 2]
     where
         V: Real<Scalar = S>,
     {
         let [to_second, to_third] = Vector::splat_both(u, patch.spokes);
-        let along = to_second * self.b_rate[1] + to_third * self.b_rate[2];
+        let in_plane = to_second * self.b_rate[1] + to_third * self.b_rate[2];
+        let along = in_plane + Vector::splat(u, patch.normal) * self.z_rate;
         let off = to_second * u + to_third * v;
-        along.dot(off) / (self.speed * self.speed)
+        let later = along.dot(off) / along.dot(along);
+        [later, (off - along * later).length()]
     }
 
     /// Sets `start`, `length` and `alive`, all still in the ray's parameter from its origin.
@@ -241,9 +235,11 @@ impl<V: Real> Segment<V> {
             let m = next(next(k));
             let tilt = like.splat(side.tilt);
             let mut guard = guard(patch, k, distance);
-            if let Some(way) = grazing {
-                let ulps = S::EPSILON * S::from_f64(RAY_EPSILONS) / side.height;
-                guard = guard + (distance + like.constant(1.0)) * way * like.splat(ulps);
+            if let Some(inverse) = grazing {
+                let room = like.splat(S::EPSILON * S::from_f64(RAY_EPSILONS));
+                let ways =
+                    self.b_rate[m].abs() * inverse + like.splat(S::from_f64(1.0) / side.height);
+                guard = guard + (distance + like.constant(1.0)) * room * ways;
             }
             keep(
                 self.b[m] - tilt * self.z + guard,
@@ -285,7 +281,6 @@ impl<V: Real> Segment<V> {
             length: like.splat(self.length),
             alive: like.mask(self.alive),
             stray_room: like.splat(self.stray_room),
-            side_room: like.splat(self.side_room),
             speed: like.splat(self.speed),
             b: all(self.b),
             b_rate: all(self.b_rate),
