@@ -118,6 +118,9 @@ fn as_text(inspection: &Inspection, legend: bool) -> String {
         let colours: Vec<String> = colours.collect();
         line("colours", colours.join(", ").replace('_', " "));
     }
+    if inspection.spheres.total() > 0 {
+        line("spheres", counts(&spheres(inspection)));
+    }
     let heights = inspection.heights;
     line(
         "heights",
@@ -217,6 +220,11 @@ fn kinds(inspection: &Inspection) -> Vec<(&'static str, u64)> {
     named.map(|(name, count)| (name, count as u64)).collect()
 }
 
+fn spheres(inspection: &Inspection) -> Vec<(&'static str, u64)> {
+    let named = inspection.spheres.named().into_iter();
+    named.map(|(name, count)| (name, count as u64)).collect()
+}
+
 /// One JSON object. Lengths are in the mesh's units, memory in bytes; normals are counted by
 /// triangle corners.
 fn as_json(inspection: &Inspection, legend: bool) -> String {
@@ -241,6 +249,7 @@ fn as_json(inspection: &Inspection, legend: bool) -> String {
         "closed": inspection.topology.is_closed(),
         "problems": object(problems(inspection)),
         "kinds": object(kinds(inspection)),
+        "spheres": object(spheres(inspection)),
         "heights": {
             "greatest": heights.greatest,
             "greatest_at": heights.greatest_at,

@@ -4,6 +4,8 @@ mod accuracy;
 mod accuracy_report;
 mod console;
 mod inspect;
+mod integrator;
+mod light;
 mod paint;
 mod render;
 mod stats;
@@ -49,7 +51,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    Render(render::RenderArgs),
+    Render(Box<render::RenderArgs>),
     Trace(trace::TraceArgs),
     Accuracy(accuracy::AccuracyArgs),
     Inspect(inspect::InspectArgs),

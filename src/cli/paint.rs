@@ -3,10 +3,8 @@
 use std::path::Path;
 
 use anyhow::Result;
-use curvetri::embree::Hit;
 use curvetri::render::{
-    Background, Framing, Ground, Lighting, OutputFile, Picture, Scene, Shape, UpAxis,
-    render_painted,
+    Background, Framing, NO_PRIMITIVE, OutputFile, Picture, Scene, Shape, UpAxis, aovs, render,
 };
 use curvetri::surface::{FlatReason, PatchKind};
 use glam::Vec3;
@@ -45,24 +43,24 @@ pub fn paint(scene: &Scene, file: &Path, up: UpAxis, console: &Console) -> Resul
         shadows_of: None,
     };
     let picture = Picture {
-        width,
-        height,
         samples: SAMPLES,
-        camera: framing.camera(scene),
-        lighting: Lighting::daylight(up),
         albedo: 1.0,
-        ground: Ground::None,
+        ..Picture::new(width, height, framing.camera(scene), up)
     };
     let bar = console.progress("rendering", 0);
-    let colour = |hit: &Hit| match &scene.shapes()[hit.geom_id as usize] {
-        Shape::Curved(mesh) => colour(mesh.kind(hit.prim_id)),
-        Shape::Flat(_) => colour(PatchKind::Flat(FlatReason::Asked)),
-    };
-    let (film, _) = render_painted(scene, &picture, &colour, &|_, tiles| {
+    let (mut film, _) = render(scene, &picture, &|_, tiles| {
         bar.set_length(tiles as u64);
         bar.inc(1);
     })?;
     bar.finish_and_clear();
+    let seen = aovs(scene, &picture)?;
+    film.tint(|pixel| match seen.primitive[pixel] {
+        NO_PRIMITIVE => Vec3::ONE,
+        triangle => match &scene.shapes()[seen.mesh[pixel] as usize] {
+            Shape::Curved(mesh) => colour(mesh.kind(triangle)),
+            Shape::Flat(_) => colour(PatchKind::Flat(FlatReason::Asked)),
+        },
+    });
     Ok(output.finish(|out| film.write_png(out, Background::default(), 0.0))?)
 }
 

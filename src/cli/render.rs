@@ -8,12 +8,14 @@ use clap::Args;
 use curvetri::embree::Device;
 use curvetri::mesh::{FileCamera, Scenery};
 use curvetri::render::{
-    Background, Camera, Film, Framing, Ground, Lighting, OutputFile, Picture, RenderStats, Scene,
-    UpAxis, render,
+    Aovs, Camera, Crop, Film, Form, Framing, Ground, OutputFile, Picture, RenderStats, Scene, aovs,
+    render,
 };
 use glam::DVec3;
 
 use super::console::Console;
+use super::integrator::IntegratorArgs;
+use super::light::LightArgs;
 use super::surface::SurfaceArgs;
 use super::values::UpChoice;
 use super::{console, device, on_threads, stats, usage, values};
@@ -31,8 +33,8 @@ pub struct RenderArgs {
     #[arg(required = true, value_name = "MESH")]
     meshes: Vec<PathBuf>,
 
-    /// The picture, a PNG file
-    #[arg(short, long, value_name = "FILE.png")]
+    /// The picture: FILE.png, or FILE.exr with depth, normals, positions and triangles' numbers
+    #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
     /// Width and height in pixels [default: 800x600]
@@ -46,6 +48,11 @@ pub struct RenderArgs {
     /// Height in pixels [default: 3/4 of the width]
     #[arg(long, value_name = "PIXELS", value_parser = values::side)]
     height: Option<usize>,
+
+    /// Render only this part of the picture: column and row of its upper left corner, width and
+    /// height, in pixels
+    #[arg(long, value_name = "X,Y,WxH", value_parser = values::crop)]
+    crop: Option<Crop>,
 
     /// Rays a pixel
     #[arg(long, visible_alias = "spp", value_name = "N", default_value_t = 16,
@@ -66,6 +73,9 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     view: ViewArgs,
+
+    #[command(flatten)]
+    integrator: IntegratorArgs,
 
     #[command(flatten)]
     light: LightArgs,
@@ -98,59 +108,22 @@ struct ViewArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
     up: Option<DVec3>,
 
-    /// The angle that the picture's height covers [default: the file's camera's, or 35]
+    /// The angle that the picture's height covers [default: that of the file's camera, or 35]
     #[arg(long, value_name = "DEGREES", value_parser = values::fov)]
     fov: Option<f64>,
 }
 
-#[derive(Args)]
-#[command(next_help_heading = "Light and ground")]
-struct LightArgs {
-    /// The direction towards the sun [default: the files' first directional light's, or to the upper
-    /// left, in front]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
-    sun_direction: Option<DVec3>,
-
-    /// Brightness of the sun, as a factor
-    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = values::brightness)]
-    sun: f32,
-
-    /// Brightness of the sky, as a factor
-    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = values::brightness)]
-    sky: f32,
-
-    /// Share of light that the surface reflects
-    #[arg(long, value_name = "SHARE", default_value = "0.7", value_parser = values::share)]
-    albedo: f32,
-
-    /// Exposure in stops, over the default
-    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::stops,
-        allow_hyphen_values = true)]
-    exposure: f32,
-
-    /// Put the meshes on a plane that takes their shadows
-    #[arg(long)]
-    ground: bool,
-
-    /// Leave the background transparent
-    #[arg(long)]
-    transparent: bool,
+/// What a picture is written as, by its file's ending.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Png,
+    Exr,
 }
 
 /// Runs the command.
 pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let form = args.surface.form()?;
-    let size = args.size()?;
-    if !args
-        .output
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("png"))
-    {
-        return usage(format!("{} does not end in .png", args.output.display()));
-    }
-    if args.view.eye.is_some() && args.view.eye == args.view.target {
-        return usage("the camera's --eye and --target are the same point");
-    }
+    let format = args.check(form)?;
     let device = device(args.threads)?;
     let (film, stats) = on_threads(args.threads, || {
         let start = Instant::now();
@@ -162,20 +135,83 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
             scenery.suns.extend(loaded.scenery.suns);
         }
         let load = start.elapsed();
-        let file_camera = args.view.file_camera(&scenery.cameras)?;
+        args.view.file_camera(&scenery.cameras)?;
         let output = OutputFile::create(&args.output)?;
         let bar = console.spinner("building");
         let scene = Scene::new(&device, meshes, form).context("cannot build the scene")?;
         bar.finish_and_clear();
-        let (film, mut stats) = args.trace(&scene, size, file_camera, &scenery.suns, console)?;
+        let picture = args.picture(&scene, &scenery)?;
+        let (film, mut stats) = traced(&scene, &picture, console)?;
         stats.times.load = load;
-        output.finish(|out| film.write_png(out, args.light.background(), args.light.exposure))?;
+        match format {
+            Format::Png => output
+                .finish(|out| film.write_png(out, args.light.background(), args.light.exposure))?,
+            Format::Exr => {
+                let aovs: Aovs = aovs(&scene, &picture)?;
+                output.finish(|out| film.write_exr(out, &aovs))?;
+            }
+        }
         Ok((film, stats))
     })?;
     args.tell(&film, &stats, &device, console)
 }
 
+fn traced(scene: &Scene, picture: &Picture, console: &Console) -> Result<(Film, RenderStats)> {
+    let camera = &picture.camera;
+    console.note(&format!(
+        "camera at {}, towards {}",
+        camera.eye, camera.target
+    ));
+    let bar = console.progress("rendering", 0);
+    let result = render(scene, picture, &|_, tiles| {
+        bar.set_length(tiles as u64);
+        bar.inc(1);
+    });
+    bar.finish_and_clear();
+    Ok(result?)
+}
+
 impl RenderArgs {
+    /// Refuses what does not go together, before any work.
+    fn check(&self, form: Form) -> Result<Format> {
+        let size = self.size()?;
+        if let Some(crop) = self.crop
+            && (crop.x + crop.width > size[0] || crop.y + crop.height > size[1])
+        {
+            return usage(format!(
+                "--crop {},{},{}x{} is not within the picture of {}x{} pixels",
+                crop.x, crop.y, crop.width, crop.height, size[0], size[1]
+            ));
+        }
+        let view = &self.view;
+        if view.eye.is_some() && view.eye == view.target {
+            return usage("the camera's --eye and --target are the same point");
+        }
+        self.integrator.integrator()?;
+        self.integrator.material()?;
+        self.light.check(form == Form::Flat)?;
+        let format = self.format()?;
+        if format == Format::Exr && self.light.exposure != 0.0 {
+            return usage("--exposure is for .png: an .exr file has the light as it is");
+        }
+        Ok(format)
+    }
+
+    fn format(&self) -> Result<Format> {
+        let is = |ending: &str| {
+            let extension = self.output.extension();
+            extension.is_some_and(|e| e.eq_ignore_ascii_case(ending))
+        };
+        match (is("png"), is("exr")) {
+            (true, _) => Ok(Format::Png),
+            (_, true) => Ok(Format::Exr),
+            _ => usage(format!(
+                "{} ends neither in .png nor in .exr",
+                self.output.display()
+            )),
+        }
+    }
+
     fn size(&self) -> Result<[usize; 2]> {
         let size = match (self.size, self.width, self.height) {
             (Some(size), _, _) => size,
@@ -190,46 +226,35 @@ impl RenderArgs {
         Ok(size)
     }
 
-    fn trace(
-        &self,
-        scene: &Scene,
-        [width, height]: [usize; 2],
-        file_camera: Option<&FileCamera>,
-        suns: &[DVec3],
-        console: &Console,
-    ) -> Result<(Film, RenderStats)> {
-        let lighting = self.light.lighting(self.view.up_axis.axis(), suns);
+    fn picture(&self, scene: &Scene, scenery: &Scenery) -> Result<Picture> {
+        let [width, height] = self.size()?;
+        let up = self.view.up_axis.axis();
+        let lighting = self.light.lighting(up, scene, &scenery.suns);
+        let ground = self.light.ground();
         let framing = Framing {
-            up: self.view.up_axis.axis(),
+            up,
             fov_degrees: self.view.fov.unwrap_or(DEFAULT_FOV),
             aspect: width as f64 / height as f64,
-            shadows_of: self.light.ground.then_some(lighting.towards_sun),
+            shadows_of: (ground == Ground::Plane).then_some(lighting.towards_sun),
         };
-        let picture = Picture {
+        Ok(Picture {
             width,
             height,
+            crop: self.crop,
             samples: self.samples,
-            camera: self.view.camera(file_camera, || framing.camera(scene)),
-            lighting,
-            albedo: self.light.albedo,
-            ground: if self.light.ground {
-                Ground::Plane
-            } else {
-                Ground::None
+            seed: self.integrator.seed,
+            integrator: self.integrator.integrator()?,
+            camera: match self.view.file_camera(&scenery.cameras)? {
+                Some(camera) => self.view.camera(from_file(camera)),
+                None => self.view.camera(framing.camera(scene)),
             },
-        };
-        let camera = &picture.camera;
-        console.note(&format!(
-            "camera at {}, towards {}",
-            camera.eye, camera.target
-        ));
-        let bar = console.progress("rendering", 0);
-        let result = render(scene, &picture, &|_, tiles| {
-            bar.set_length(tiles as u64);
-            bar.inc(1);
-        });
-        bar.finish_and_clear();
-        Ok(result?)
+            lighting,
+            material: self.integrator.material()?,
+            albedo: self.light.albedo,
+            shading: self.light.shading(),
+            ground,
+            show_sky: self.light.show_sky(),
+        })
     }
 
     fn tell(
@@ -279,45 +304,24 @@ impl ViewArgs {
         })
     }
 
-    /// The camera as asked for, and where nothing is asked for the file's, or as it framed the scene.
-    fn camera(&self, file: Option<&FileCamera>, framed: impl FnOnce() -> Camera) -> Camera {
-        let start = match file {
-            Some(file) => Camera {
-                eye: file.eye,
-                target: file.eye + file.forward,
-                up: file.up,
-                fov_degrees: self.fov.unwrap_or(file.fov_degrees),
-            },
-            None => framed(),
-        };
+    /// The camera as asked for, and where nothing is asked for this one.
+    fn camera(&self, start: Camera) -> Camera {
         let target = self.target.unwrap_or(start.target);
         Camera {
             // A target of its own moves the camera along.
             eye: self.eye.unwrap_or(start.eye + target - start.target),
             target,
             up: self.up.unwrap_or(start.up),
-            ..start
+            fov_degrees: self.fov.unwrap_or(start.fov_degrees),
         }
     }
 }
 
-impl LightArgs {
-    fn lighting(&self, up: UpAxis, suns: &[DVec3]) -> Lighting {
-        let mut lighting = Lighting::daylight(up);
-        if let Some(direction) = self.sun_direction.or(suns.first().copied()) {
-            lighting.towards_sun = direction.as_vec3().normalize();
-        }
-        lighting.sun *= self.sun;
-        lighting.sky.above *= self.sky;
-        lighting.sky.below *= self.sky;
-        lighting
-    }
-
-    fn background(&self) -> Background {
-        if self.transparent {
-            Background::Transparent
-        } else {
-            Background::default()
-        }
+fn from_file(camera: &FileCamera) -> Camera {
+    Camera {
+        eye: camera.eye,
+        target: camera.eye + camera.forward,
+        up: camera.up,
+        fov_degrees: camera.fov_degrees,
     }
 }

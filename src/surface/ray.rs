@@ -43,13 +43,13 @@ pub struct Segment<V: Real> {
 
 /// How far beyond its sides a patch is still searched, in barycentric coordinates, before the
 /// ray's own rounding: a guard, so that no ray slips between neighbours.
-const OVERLAP_EPSILONS: f64 = 256.0;
+pub(super) const OVERLAP_EPSILONS: f64 = 256.0;
 /// How far beside a guide a hit may lie before the ray's own rounding.
 const STRAY_EPSILONS: f64 = 64.0;
 /// The steepest that F is expected to be along a ray, for a unit of its way.
 const STEEPEST: f64 = 8.0;
 /// What a ray from one unit away moves by rounding, in units of epsilon.
-const RAY_EPSILONS: f64 = 4.0;
+pub(super) const RAY_EPSILONS: f64 = 4.0;
 /// A flat triangle lower than this, in units of its size, is thin: the guard's share of its height
 /// does not make up for rounding of the triangle itself, nor for how far along its plane a ray at a
 /// grazing angle is moved by its own.
@@ -74,7 +74,7 @@ pub(super) fn is_thin<S: Scalar>(patch: &Patch<S>) -> bool {
 }
 
 #[inline(always)]
-fn max_abs<V: Real>(v: Vector<V>) -> V {
+pub(super) fn max_abs<V: Real>(v: Vector<V>) -> V {
     v.x.abs().greater(v.y.abs()).greater(v.z.abs())
 }
 
@@ -85,8 +85,8 @@ impl<V: Real> Segment<V> {
         !self.alive.any()
     }
 
-    /// The part of the ray between the three side planes and within the slab of heights; none in
-    /// lanes that are not valid.
+    /// The part of the ray between the three side planes (5) and within the slab of heights, or in the
+    /// paper's form within the sphere of greatest curvature (3); none in lanes that are not valid.
     #[inline(always)]
     pub(super) fn clip<S: Scalar>(patch: &Patch<S>, ray: &Ray<V>, valid: V::Mask) -> Self
     where
@@ -101,6 +101,9 @@ impl<V: Real> Segment<V> {
         let mut segment = Self::unclipped(patch, from, along, ray.tnear, end);
         let distance = max_abs(from);
         segment.clip_to(patch, distance, valid);
+        if let Some(sphere) = &patch.sphere {
+            segment.keep_within(sphere.chord(from, along, distance));
+        }
         segment.alive = segment.alive & segment.start.at_most(ray.tfar);
         if segment.is_empty() {
             return segment;
@@ -247,7 +250,7 @@ impl<V: Real> Segment<V> {
             );
         }
         // A flat triangle's slab has no thickness: there the crossing of its plane decides.
-        if patch.rule != Rule::Flat {
+        if patch.rule != Rule::Flat && patch.sphere.is_none() {
             let room = like.splat(S::EPSILON * S::from_f64(RAY_EPSILONS)) * distance;
             let [zmin, zmax] = [like.splat(patch.slab[0]), like.splat(patch.slab[1])];
             keep(self.z - zmin + room, self.z_rate);
@@ -256,6 +259,15 @@ impl<V: Real> Segment<V> {
         self.start = lo;
         self.length = hi - lo;
         self.alive = alive & lo.at_most(hi);
+    }
+
+    /// Cuts what lies outside an interval of the ray's parameter; all where there is none.
+    #[inline(always)]
+    fn keep_within(&mut self, (lo, hi, exists): (V, V, V::Mask)) {
+        let end = hi.lesser(self.start + self.length);
+        self.start = lo.greater(self.start);
+        self.length = end - self.start;
+        self.alive = self.alive & exists & self.start.at_most(end);
     }
 
     /// The tolerance at which a root is as good as the precision allows, in the segment's parameter.
