@@ -210,6 +210,7 @@ fn problems(inspection: &Inspection) -> Vec<(&'static str, u64)> {
             "duplicate_triangles",
             inspection.topology.duplicate_triangles,
         ),
+        ("t_junctions", inspection.t_junctions),
         ("snapped_vertices", inspection.report.snapped),
         ("skipped_elements", inspection.report.skipped_elements),
     ]

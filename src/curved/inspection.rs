@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::{CurvedMesh, CurvedOptions, Kinds, Spheres};
 use crate::embree::UserGeometry;
-use crate::mesh::{Bounds, LoadReport, Loaded, Mesh, TopologyCounts};
+use crate::mesh::{Bounds, LoadReport, Loaded, Mesh, Topology, TopologyCounts, t_junctions};
 use crate::surface::{Patch, PatchKind};
 
 /// Bytes of Embree's tree for each curved triangle: up to 109 with Embree 3.13.
@@ -41,6 +41,8 @@ pub struct Inspection {
     pub sides: SideLengths,
     /// How the triangles meet.
     pub topology: TopologyCounts,
+    /// Open sides with another open side's end within them.
+    pub t_junctions: u64,
     /// Triangles by kind.
     pub kinds: Kinds,
     /// Curved triangles by the sphere that bounds them, where spheres were asked for.
@@ -116,6 +118,10 @@ impl Inspection {
             origin: mesh.origin(),
             sides: SideLengths::of(mesh),
             topology: *curved.topology(),
+            t_junctions: match curved.topology().boundary {
+                0 => 0,
+                _ => t_junctions(mesh, &Topology::new(mesh)),
+            },
             kinds: *curved.kinds(),
             spheres: *curved.spheres(),
             heights: Heights::of(curved),

@@ -14,6 +14,7 @@ mod gltf;
 mod gltf_buffers;
 mod gltf_scenery;
 mod input;
+mod junctions;
 #[cfg(test)]
 mod mangle;
 mod normals;
@@ -39,6 +40,7 @@ use std::path::Path;
 use format::Format;
 
 pub use error::{LoadError, MAX_COORDINATE, MAX_INDICES, MeshError};
+pub use junctions::t_junctions;
 pub use normals::{NormalsPolicy, NormalsReport};
 pub use obj_write::{obj_text, write_obj};
 pub use raw::{NO_NORMAL, RawMesh};
