@@ -194,3 +194,50 @@ fn help_is_a_result_and_its_absence_a_usage_error() {
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("Usage: curvetri"));
 }
+
+#[test]
+fn options_of_other_integrators_materials_and_formats_are_refused() {
+    let shop = Workshop::new();
+    let mesh = shop.write("m.obj", TRIANGLE);
+    let (png, exr) = (shop.path("a.png"), shop.path("a.exr"));
+    for (output, options, reason) in [
+        (&png, "--depth 3", "--depth is for --integrator path"),
+        (
+            &png,
+            "--integrator path --ao-distance 1",
+            "--ao-distance is for",
+        ),
+        (
+            &png,
+            "--integrator ao --sky-shadows",
+            "--sky-shadows is for",
+        ),
+        (&png, "--material glass", "needs --integrator path"),
+        (
+            &png,
+            "--integrator path --ior 1.4",
+            "--ior is for --material glass",
+        ),
+        (
+            &png,
+            "--shading interpolated",
+            "--shading is for --surface flat",
+        ),
+        (
+            &png,
+            "--size 9x9 --crop 5,0,5x1",
+            "not within the picture of 9x9",
+        ),
+        (&exr, "--exposure 1", "--exposure is for .png"),
+    ] {
+        let options = options.split(' ').collect::<Vec<_>>();
+        let said = shop.fails(
+            2,
+            &[&["render", &mesh, "-o", output], &options[..]].concat(),
+        );
+        assert!(said.contains(reason), "{options:?}: {said}");
+    }
+    let said = shop.fails(2, &["render", &mesh, "-o", &shop.path("a.jpg")]);
+    assert!(said.contains("neither in .png nor in .exr"), "{said}");
+    assert_eq!(shop.names(), ["m.obj"]);
+}

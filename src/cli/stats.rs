@@ -35,8 +35,8 @@ pub fn text(stats: &RenderStats, device: &Device) -> String {
     line(
         "rays",
         format!(
-            "{} primary, {} shadow, {speed:.2} Mray/s",
-            rays.primary, rays.shadow
+            "{} primary, {} shadow, {} bounce, {speed:.2} Mray/s",
+            rays.primary, rays.shadow, rays.bounce
         ),
     );
     let (calls, evaluations) = (stats.calls_per_ray(), stats.evaluations_per_call());
@@ -76,7 +76,11 @@ pub fn json(stats: &RenderStats, device: &Device) -> String {
         "bytes": Map::from_iter(
             named_memory(stats).map(|(name, bytes)| (name.to_owned(), json!(bytes))),
         ),
-        "rays": { "primary": stats.rays.primary, "shadow": stats.rays.shadow },
+        "rays": {
+            "primary": stats.rays.primary,
+            "shadow": stats.rays.shadow,
+            "bounce": stats.rays.bounce,
+        },
         "mray_per_second": stats.mray_per_second(),
         "kernel": {
             "calls": stats.kernel.calls,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use curvetri::curved::CurvedOptions;
+use curvetri::curved::{CurvedOptions, Primitives};
 use curvetri::mesh::{self, LoadOptions, Loaded, Mesh, NormalsPolicy};
 use curvetri::render::Form;
 use curvetri::surface::{BoundsKind, Solver, Surface};
@@ -15,7 +15,7 @@ use super::{usage, values};
 #[derive(Args)]
 #[command(next_help_heading = "Surface")]
 pub struct SurfaceArgs {
-    /// The form of the method; --surface, --bounds and --solver choose its parts one by one
+    /// The form of the method; --surface, --bounds, --primitives and --solver choose its parts one by one
     #[arg(long, value_enum, default_value_t = MethodChoice::Default)]
     method: MethodChoice,
 
@@ -26,6 +26,10 @@ pub struct SurfaceArgs {
     /// What bounds a curved triangle [default: tight, or sphere with --method paper]
     #[arg(long, value_enum)]
     bounds: Option<BoundsChoice>,
+
+    /// What is one primitive to Embree [default: clusters, or triangles with --method paper]
+    #[arg(long, value_enum)]
+    primitives: Option<PrimitivesChoice>,
 
     /// How roots are found [default: finish, or ita with --method paper, --ita-bits or --ita-step]
     #[arg(long, value_enum)]
@@ -64,6 +68,14 @@ enum BoundsChoice {
     Sphere,
     /// The least and greatest heights that the surface may have
     Tight,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PrimitivesChoice {
+    /// A triangle
+    Triangles,
+    /// A few neighbouring triangles
+    Clusters,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -115,9 +127,15 @@ impl SurfaceArgs {
             Some(BoundsChoice::Sphere) => BoundsKind::Sphere,
             Some(BoundsChoice::Tight) => BoundsKind::Tight,
         };
+        let primitives = match self.primitives {
+            None => preset.primitives,
+            Some(PrimitivesChoice::Triangles) => Primitives::Triangles,
+            Some(PrimitivesChoice::Clusters) => Primitives::Clusters,
+        };
         Ok(Form::Curved(CurvedOptions {
             surface,
             bounds,
+            primitives,
             solver: self.solver(preset.solver)?,
             ..preset
         }))
@@ -127,6 +145,7 @@ impl SurfaceArgs {
         let given = [
             ("--method paper", self.method == MethodChoice::Paper),
             ("--bounds", self.bounds.is_some()),
+            ("--primitives", self.primitives.is_some()),
             ("--solver", self.solver.is_some()),
             ("--ita-bits", self.ita_bits.is_some()),
             ("--ita-step", self.ita_step.is_some()),

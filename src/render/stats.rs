@@ -51,14 +51,16 @@ pub struct MemoryParts {
 pub struct Rays {
     /// From the camera.
     pub primary: u64,
-    /// Towards the sun.
+    /// That ask whether something is in the way: to the sun, the lamp or the sky.
     pub shadow: u64,
+    /// From surface to surface.
+    pub bounce: u64,
 }
 
 impl Rays {
     /// All rays.
     pub fn total(&self) -> u64 {
-        self.primary + self.shadow
+        self.primary + self.shadow + self.bounce
     }
 }
 
@@ -68,6 +70,7 @@ impl Add for Rays {
         Self {
             primary: self.primary + other.primary,
             shadow: self.shadow + other.shadow,
+            bounce: self.bounce + other.bounce,
         }
     }
 }
@@ -105,8 +108,9 @@ mod tests {
     fn ratios_are_by_ray_and_by_call() {
         let stats = RenderStats {
             rays: Rays {
-                primary: 6,
+                primary: 5,
                 shadow: 2,
+                bounce: 1,
             },
             kernel: Counters {
                 calls: 16,

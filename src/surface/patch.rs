@@ -9,7 +9,8 @@ use super::correction;
 use super::flags::{BoundsKind, PatchFlags, Surface};
 use super::outline::Outline;
 use super::real::{Real, Scalar, three};
-use super::sphere::{Enlargement, Sphere};
+use super::record::PatchRecord;
+use super::sphere::Sphere;
 use super::vector::{Vector, vector};
 
 /// Below this cosine between a vertex normal and the triangle's plane normal the method does not
@@ -111,29 +112,6 @@ pub(super) struct Vertex<S> {
     pub inverse_angle: S,
 }
 
-/// The per-triangle results worth keeping: with the three vertices they give the patch back
-/// without computing bounds and correction again.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct PatchRecord {
-    pub(super) flags: PatchFlags,
-    pub(super) kind: PatchKind,
-    pub(super) enlargement: Enlargement,
-    pub(super) slab: [f32; 2],
-    pub(super) correction: [[f32; 3]; 3],
-}
-
-impl PatchRecord {
-    /// The flags the patch was made with.
-    pub fn flags(&self) -> PatchFlags {
-        self.flags
-    }
-    /// What the triangle turned out to be.
-    pub fn kind(&self) -> PatchKind {
-        self.kind
-    }
-}
-
 /// A curved triangle, ready for rays.
 ///
 /// `S` is `f32` or `f64`; the `f64` patch of the same vertices is the oracle for the `f32` one.
@@ -208,21 +186,6 @@ impl<S: Scalar> Patch<S> {
         record: &PatchRecord,
     ) -> Self {
         Outline::new(positions, normals, record).complete()
-    }
-
-    /// What [`Patch::from_record`] needs to know beside the vertices.
-    pub fn record(&self, flags: PatchFlags) -> PatchRecord {
-        PatchRecord {
-            flags,
-            kind: self.kind,
-            enlargement: self
-                .sphere
-                .map_or_else(Default::default, |s| s.enlargement()),
-            slab: self.slab.map(|z| z.to_f64() as f32),
-            correction: self
-                .sides
-                .map(|side| side.correction.map(|c| c.to_f64() as f32)),
-        }
     }
 
     /// What the triangle turned out to be.
@@ -510,6 +473,7 @@ impl<S: Scalar> Patch<S> {
         }
         if flags.surface() == Surface::Smooth {
             correction::fit(self, flags);
+            self.round_correction();
         }
         Ok(HeightNet::new(self, &spread))
     }
@@ -530,8 +494,3 @@ impl<S: Scalar> Patch<S> {
         }
     }
 }
-
-const _: () = assert!(
-    size_of::<PatchRecord>() == 48,
-    "what is kept of a triangle has grown"
-);

@@ -5,7 +5,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use curvetri::curved::{CurvedMesh, CurvedOptions};
+use curvetri::curved::{CurvedMesh, CurvedOptions, Primitives};
 use curvetri::embree::{
     Candidate, Device, Filter, Geometry, GeometryBuilder, Hit, QueryOptions, Ray, RayPacket, Scene,
     SceneBuilder, Traced, Width,
@@ -16,7 +16,7 @@ use glam::Vec3;
 use crate::support::{Body, Random};
 
 /// Every surface as it is by default, the paper's own form, and the default with the paper's root
-/// finder or its bounds.
+/// finder, or its bounds and primitives.
 pub fn all_options() -> Vec<CurvedOptions> {
     let mut all = crate::support::all_forms();
     all.push(CurvedOptions {
@@ -25,6 +25,7 @@ pub fn all_options() -> Vec<CurvedOptions> {
     });
     all.push(CurvedOptions {
         bounds: BoundsKind::Sphere,
+        primitives: Primitives::Triangles,
         ..CurvedOptions::default()
     });
     all
