@@ -2,7 +2,7 @@
 
 mod support;
 
-use curvetri::curved::CurvedOptions;
+use curvetri::curved::{CurvedOptions, Primitives};
 use curvetri::embree::Ray;
 use curvetri::surface::{BoundsKind, Solver, Surface};
 use support::{Random, Tally, first_hit};
@@ -21,6 +21,7 @@ fn differences(solver: Solver, surface: Surface) -> Tally {
                 surface,
                 solver,
                 bounds,
+                primitives: Primitives::Triangles,
                 ..CurvedOptions::default()
             })
         });
