@@ -22,11 +22,13 @@ impl UserGeometry for CurvedMesh {
     }
 
     fn intersect(&self, query: &mut IntersectQuery<'_>) {
-        self.trace(query, IntersectQuery::report);
+        self.trace(query, true, IntersectQuery::report);
     }
 
     fn occluded(&self, query: &mut OccludedQuery<'_>) {
-        self.trace(query, OccludedQuery::report);
+        // Only filters look at the hit.
+        let normals = query.has_filters();
+        self.trace(query, normals, OccludedQuery::report);
     }
 }
 
@@ -62,25 +64,27 @@ fn rest_of_ray(outline: &Outline<'_, f32>, query: &QueryRays<'_>, lane: usize, t
 }
 
 impl CurvedMesh {
-    /// Offers the roots of a query's rays on its triangle.
+    /// Offers the roots of a query's rays on its triangle, with the surface's normals there if
+    /// `normals`, else zeros.
     fn trace<'a, Q: Deref<Target = QueryRays<'a>>>(
         &self,
         query: &mut Q,
+        normals: bool,
         report: impl Fn(&mut Q, usize, SurfaceHit) -> bool,
     ) {
         let outline = self.outline(query.prim_id());
         if query.valid().count_ones() < MIN_PACKET {
             for lane in query.lanes() {
                 let ray = kernel_ray(&query.ray(lane));
-                self.offer_roots(&outline, ray, |hit| report(query, lane, hit));
+                self.offer_roots(&outline, ray, normals, |hit| report(query, lane, hit));
             }
             return;
         }
-        let hits = self.packet_hits(&outline, query);
+        let hits = self.packet_hits(&outline, query, normals);
         for lane in lanes(hits.found) {
             if !report(query, lane, surface_hit(&hits, lane)) {
                 let ray = rest_of_ray(&outline, query, lane, hits.t[lane]);
-                self.offer_roots(&outline, ray, |hit| report(query, lane, hit));
+                self.offer_roots(&outline, ray, normals, |hit| report(query, lane, hit));
             }
         }
     }
@@ -91,14 +95,19 @@ impl CurvedMesh {
     }
 
     /// The first roots of all valid rays of a query.
-    fn packet_hits(&self, outline: &Outline<'_, f32>, query: &QueryRays<'_>) -> HitLanes {
+    fn packet_hits(
+        &self,
+        outline: &Outline<'_, f32>,
+        query: &QueryRays<'_>,
+        normals: bool,
+    ) -> HitLanes {
         let rays = RayLanes {
             origin: [query.org_x(), query.org_y(), query.org_z()],
             direction: [query.dir_x(), query.dir_y(), query.dir_z()],
             tnear: query.tnear(),
             tfar: query.tfar(),
         };
-        let hits = outline.intersect_packet(&rays, query.valid(), self.solver, true);
+        let hits = outline.intersect_packet(&rays, query.valid(), self.solver, normals);
         count(query.valid().count_ones().into(), hits.evaluations.into());
         hits
     }
@@ -108,30 +117,19 @@ impl CurvedMesh {
         &self,
         outline: &Outline<'_, f32>,
         mut ray: Ray<f32>,
+        normals: bool,
         mut report: impl FnMut(SurfaceHit) -> bool,
     ) {
         let mut evaluations = 0;
-        let mut segment = outline.clip(&ray, true);
-        if !segment.is_empty() {
-            let patch = outline.complete();
-            loop {
-                let hit = patch.intersect_single(&segment, &ray, self.solver);
-                evaluations += u64::from(hit.evaluations);
-                if !hit.found {
-                    break;
-                }
-                let ng = patch.normal_at(hit.u, hit.v).into();
-                if report(SurfaceHit {
-                    t: hit.t,
-                    u: hit.u,
-                    v: hit.v,
-                    ng,
-                }) {
-                    break;
-                }
-                ray.tnear = outline.beyond(&ray, hit.t);
-                segment = outline.clip(&ray, true);
+        loop {
+            let (hit, normal) = outline.intersect(&ray, self.solver, normals);
+            evaluations += u64::from(hit.evaluations);
+            let (t, u, v) = (hit.t, hit.u, hit.v);
+            let ng = normal.into();
+            if !hit.found || report(SurfaceHit { t, u, v, ng }) {
+                break;
             }
+            ray.tnear = outline.beyond(&ray, t);
         }
         count(1, evaluations);
     }

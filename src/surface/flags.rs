@@ -34,7 +34,7 @@ impl Surface {
 /// Side `k` runs from vertex `k` to vertex `k + 1` (cyclically, from 0).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(transparent)]
-pub struct PatchFlags(u16);
+pub struct PatchFlags(u8);
 
 impl Default for PatchFlags {
     fn default() -> Self {
@@ -43,13 +43,13 @@ impl Default for PatchFlags {
 }
 
 impl PatchFlags {
-    const FLAT: u16 = 1 << 3;
-    const SURFACE_SHIFT: u16 = 4;
-    const UNCHECKED: u16 = 1 << 6;
+    const FLAT: u8 = 1 << 3;
+    const SURFACE_SHIFT: u8 = 4;
+    const UNCHECKED: u8 = 1 << 6;
 
     /// All sides curved.
     pub const fn new(surface: Surface) -> Self {
-        Self((surface as u16) << Self::SURFACE_SHIFT)
+        Self((surface as u8) << Self::SURFACE_SHIFT)
     }
     /// With side `side` (0, 1 or 2) straight, as it has to be where the neighbour across it does
     /// not share the two vertices' normals.

@@ -18,12 +18,15 @@
 
 mod bounds;
 mod correction;
+mod crossing;
 mod dual;
 mod finish;
 mod flags;
+mod frame;
 mod guide;
 mod height;
 mod hit;
+mod hull;
 mod ita;
 mod lanes;
 mod outline;
@@ -32,6 +35,7 @@ mod patch;
 mod point;
 mod ray;
 mod real;
+mod sides;
 mod vector;
 
 #[cfg(test)]
@@ -43,6 +47,7 @@ pub use dual::Dual;
 pub use finish::MAX_PARTS;
 pub use flags::{PatchFlags, Surface};
 pub use hit::{Hit, Solver};
+pub use hull::Interval;
 pub use outline::Outline;
 pub use packet::{HitLanes, RayLanes};
 pub use patch::{FlatReason, Patch, PatchKind, PatchRecord};

@@ -1,0 +1,182 @@
+//! What a ray is clipped to: a patch's three side planes (5) and the slab between its least and its
+//! greatest height.
+
+use super::frame::Frame;
+use super::ray::{RAY_EPSILONS, Ray};
+use super::real::{Mask, Real, Scalar, inlined};
+use super::vector::{Vector, vector};
+
+/// How far beyond its sides a patch is still searched, in barycentric coordinates, before the
+/// ray's own rounding: a guard, so that no ray slips between neighbours.
+const OVERLAP_EPSILONS: f64 = 256.0;
+
+/// A half-space that the surface lies in, with room for rounding. Nothing is normalised: only the
+/// sign counts, and where it changes along a ray.
+#[derive(Clone, Copy, Debug)]
+struct Plane<S> {
+    /// Inward.
+    normal: Vector<S>,
+    offset: S,
+    /// How much further out for a unit of the distance that rays come from.
+    spread: S,
+}
+
+/// The planes around a patch, five in the same form, so that all can be looked at at once.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hull<S> {
+    origin: Vector<S>,
+    unit: S,
+    planes: [Plane<S>; 5],
+    exists: bool,
+}
+
+/// A ray's way clipped to where a surface can be, in the ray's parameter: the paper's options 1 to 5
+/// are all this one interval (section 4.8).
+#[derive(Clone, Copy, Debug)]
+pub struct Interval<V: Real> {
+    pub(super) start: V,
+    pub(super) length: V,
+    /// Whether there is such an interval.
+    pub(super) alive: V::Mask,
+}
+
+impl<S: Scalar> Hull<S> {
+    /// The hull of no surface.
+    #[inline(always)]
+    pub fn empty(origin: Vector<S>) -> Self {
+        let zero = S::from_f64(0.0);
+        let plane = Plane {
+            normal: vector(zero, zero, zero),
+            offset: zero,
+            spread: zero,
+        };
+        Self {
+            origin,
+            unit: S::from_f64(1.0),
+            planes: [plane; 5],
+            exists: false,
+        }
+    }
+
+    /// The hull of a patch with these least and greatest heights; of a plane triangle without.
+    #[inline(always)]
+    pub fn new(frame: &Frame<S>, normals: &[Vector<S>; 3], slab: Option<[S; 2]>) -> Self {
+        let epsilon = inlined(
+            #[inline(always)]
+            |count: f64| S::EPSILON * S::from_f64(count),
+        );
+        let up = frame.cross * frame.winding;
+        let side = inlined(
+            #[inline(always)]
+            |k: usize, from_origin: Option<Vector<S>>| {
+                let edge = frame.edges[k];
+                // The guides' plane through the side; it stands upright where the triangle is flat.
+                let guide = match slab {
+                    Some(_) => normals[k] + normals[(k + 1) % 3],
+                    None => up,
+                };
+                let normal = guide.cross(edge) * frame.winding;
+                // The value at the opposite vertex: a barycentric coordinate of 1.
+                let whole = guide.dot(up);
+                let overlap = whole * epsilon(OVERLAP_EPSILONS);
+                Plane {
+                    normal,
+                    offset: match from_origin {
+                        Some(way) => overlap - normal.dot(way),
+                        None => overlap,
+                    },
+                    // RAY_EPSILONS of the distance over the side's height, and sqrt(3) for the norm.
+                    spread: guide.max_abs() * edge.max_abs() * epsilon(3.0 * RAY_EPSILONS),
+                }
+            },
+        );
+        let room = frame.area2 * epsilon(RAY_EPSILONS);
+        // A flat triangle's slab has no thickness: there the crossing of its plane decides.
+        let [below, above] = match slab {
+            Some([least, most]) => [-least * frame.area2, most * frame.area2],
+            None => [S::from_f64(f64::INFINITY); 2],
+        };
+        let level = inlined(
+            #[inline(always)]
+            |normal: Vector<S>, offset: S| Plane {
+                normal,
+                offset,
+                spread: room,
+            },
+        );
+        Self {
+            origin: frame.origin,
+            unit: S::from_f64(1.0) / frame.size,
+            planes: [
+                side(0, None),
+                side(1, Some(frame.edges[0])),
+                side(2, None),
+                level(up, below),
+                level(-up, above),
+            ],
+            exists: true,
+        }
+    }
+
+    /// The ray's origin and direction in the patch's space and units.
+    #[inline(always)]
+    pub fn localize<V: Real<Scalar = S>>(&self, ray: &Ray<V>) -> [Vector<V>; 2] {
+        let unit = ray.tnear.splat(self.unit);
+        let from = (ray.origin - Vector::splat(ray.tnear, self.origin)) * unit;
+        [from, ray.direction * unit]
+    }
+
+    /// The part of the ray within all planes; none in lanes that are not valid.
+    #[inline(always)]
+    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Interval<V> {
+        let [from, along] = self.localize(ray);
+        let like = ray.tnear;
+        let zero = like.constant(0.0);
+        let distance = max_abs(from);
+        // Not cut at the ray's end, which is the nearest hit so far: the root must not depend on the
+        // order in which patches are come by.
+        let (mut lo, mut hi) = (like, like.constant(f64::INFINITY));
+        let mut alive = valid & like.mask(self.exists);
+        for plane in &self.planes {
+            let normal = Vector::splat(like, plane.normal);
+            let value =
+                normal.dot(from) + (like.splat(plane.offset) + like.splat(plane.spread) * distance);
+            let rate = normal.dot(along);
+            let crossing = -(value / rate);
+            let (enters, leaves) = (zero.less(rate), rate.less(zero));
+            lo = V::select(enters, crossing, lo).greater(lo);
+            hi = V::select(leaves, crossing, hi).lesser(hi);
+            alive = alive & (enters | leaves | zero.at_most(value));
+        }
+        Interval {
+            start: lo,
+            length: hi - lo,
+            alive: alive & lo.at_most(hi) & lo.at_most(ray.tfar),
+        }
+    }
+}
+
+impl<V: Real> Interval<V> {
+    /// Whether no lane's ray comes near the surface.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        !self.alive.any()
+    }
+}
+
+impl<S: Scalar> Interval<S> {
+    /// The same interval in all lanes of a value like this one.
+    #[inline(always)]
+    pub(super) fn in_lanes<V: Real<Scalar = S>>(&self, like: V) -> Interval<V> {
+        Interval {
+            start: like.splat(self.start),
+            length: like.splat(self.length),
+            alive: like.mask(self.alive),
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn max_abs<V: Real>(v: Vector<V>) -> V {
+    v.x.abs().greater(v.y.abs()).greater(v.z.abs())
+}
