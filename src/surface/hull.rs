@@ -66,6 +66,11 @@ impl<S: Scalar> Hull<S> {
             |count: f64| S::EPSILON * S::from_f64(count),
         );
         let up = frame.cross * frame.winding;
+        // Of the guides below.
+        let longest_guide = match slab {
+            Some(_) => S::from_f64(2.0),
+            None => frame.area2,
+        };
         let side = inlined(
             #[inline(always)]
             |k: usize, from_origin: Option<Vector<S>>| {
@@ -85,8 +90,8 @@ impl<S: Scalar> Hull<S> {
                         Some(way) => overlap - normal.dot(way),
                         None => overlap,
                     },
-                    // RAY_EPSILONS of the distance over the side's height, and sqrt(3) for the norm.
-                    spread: guide.max_abs() * edge.max_abs() * epsilon(3.0 * RAY_EPSILONS),
+                    // RAY_EPSILONS of the distance over the side's height, and more for the norms.
+                    spread: longest_guide * edge.max_abs() * epsilon(2.0 * RAY_EPSILONS),
                 }
             },
         );

@@ -114,8 +114,8 @@ fn check(corners: &Corners, rays: &[Ray<f32>], valid: u32, solver: Solver) -> [u
                 continue;
             }
             let single = patch.intersect(ray, solver);
-            evaluations += single.evaluations;
             let (sampled, ng) = outline.intersect_at(level, ray, solver, true);
+            evaluations += sampled.evaluations;
             let answer = |hit: &Hit<f32>| {
                 let place = [hit.t, hit.u, hit.v].map(f32::to_bits);
                 hit.found.then_some(place)
