@@ -197,3 +197,85 @@ pub(super) fn steep<S: Scalar>(kept: u8) -> S {
     }
     square / (square + S::from_f64(1.0))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{Random, V, rounded};
+    use super::super::{PatchFlags, PatchKind, Ray, Solver, Surface, Vector};
+    use super::*;
+
+    /// A ray through a point near the surface.
+    fn ray(random: &mut Random, patch: &Patch<f32>) -> Ray<f32> {
+        let [u, v] = random.inside();
+        let beside = random.direction() * (0.3 * random.unit() * f64::from(patch.size()));
+        let target: V = patch.point(u as f32, v as f32).position.to_f64() + beside;
+        let direction = random.direction();
+        Ray {
+            origin: Vector::from_f64(target - direction * 3.0),
+            direction: Vector::from_f64(direction),
+            tnear: 0.0,
+            tfar: f32::INFINITY,
+        }
+    }
+
+    #[test]
+    fn steep_rays_hit_what_a_search_finds() {
+        let mut random = Random(21);
+        let (mut steep, mut hits, mut differ, mut evaluations) = (0, 0, 0, 0);
+        for n in 0..3000 {
+            let (p, normals) = random.triangle([5.0, 15.0, 30.0][n % 3], 0.6);
+            let flags = PatchFlags::new(Surface::ALL[n / 3 % 3]);
+            let patch = Patch::<f32>::new(rounded(p), rounded(normals), flags);
+            let mut searched = patch;
+            searched.set_steepness(u8::MAX);
+            for _ in 0..if patch.kind() == PatchKind::Curved {
+                30
+            } else {
+                0
+            } {
+                let ray = ray(&mut random, &patch);
+                let interval = patch.clip(&ray, true);
+                if !(interval.alive && patch.is_steep(&patch.segment(&ray, &interval))) {
+                    continue;
+                }
+                let (hit, other) = (
+                    patch.intersect(&ray, Solver::default()),
+                    searched.intersect(&ray, Solver::default()),
+                );
+                steep += 1;
+                hits += u32::from(hit.found);
+                evaluations += hit.evaluations;
+                let same = !hit.found || (hit.t - other.t).abs() < 2e-5;
+                differ += u32::from(hit.found != other.found || !same);
+            }
+        }
+        println!("{steep} steep rays, {hits} hits, {evaluations} evaluations, {differ} differ");
+        assert!(hits > 5000 && steep - hits > 1000, "{hits} of {steep}");
+        assert!(differ * 5000 < steep, "{differ} of {steep} differ");
+        assert!(evaluations < 4 * steep, "{evaluations} for {steep}");
+    }
+
+    #[test]
+    fn no_surface_is_steeper_than_is_kept() {
+        let mut random = Random(22);
+        let (mut total, mut over) = (0, 0);
+        for n in 0..2000 {
+            let (p, normals) = random.triangle([5.0, 15.0, 30.0, 45.0][n % 4], 0.6);
+            let flags = PatchFlags::new(Surface::ALL[n / 4 % 3]);
+            let patch = Patch::<f64>::new(p, normals, flags);
+            let kept = steep::<f64>(patch.steepness);
+            for _ in 0..if patch.kind() == PatchKind::Curved {
+                30
+            } else {
+                0
+            } {
+                let [u, v] = random.inside();
+                let cosine = patch.normal_at(u, v).dot(patch.normal);
+                total += 1;
+                over += u32::from(kept < 1.0 - cosine * cosine);
+            }
+        }
+        println!("{over} of {total} points are steeper");
+        assert!(total > 20_000 && over * 500 < total, "{over} of {total}");
+    }
+}
