@@ -89,6 +89,7 @@ impl CurvedMesh {
         }
     }
 
+    #[inline(always)]
     fn outline(&self, triangle: u32) -> Outline<'_, f32> {
         let (positions, normals) = super::corners(&self.mesh, triangle as usize);
         Outline::new(positions, normals, &self.records[triangle as usize])

@@ -1,7 +1,7 @@
 //! Where a ray first meets a curved triangle.
 
 use super::finish::{self, MAX_PARTS, Samples};
-use super::hull::Interval;
+use super::hull::{Interval, localized};
 use super::ita::{self, Root};
 use super::patch::{Patch, Rule, next};
 use super::ray::{Ray, Segment, beyond};
@@ -98,6 +98,12 @@ impl<S: Scalar> Patch<S> {
     #[inline(always)]
     pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Interval<V> {
         self.hull.clip(ray, valid)
+    }
+
+    /// The ray's origin and direction in the patch's space and units.
+    #[inline(always)]
+    pub(super) fn localize<V: Real<Scalar = S>>(&self, ray: &Ray<V>) -> [Vector<V>; 2] {
+        localized(ray, self.origin, S::from_f64(1.0) / self.size)
     }
 
     /// A ray's way over the patch within an interval.

@@ -123,18 +123,10 @@ impl<S: Scalar> Hull<S> {
         }
     }
 
-    /// The ray's origin and direction in the patch's space and units.
-    #[inline(always)]
-    pub fn localize<V: Real<Scalar = S>>(&self, ray: &Ray<V>) -> [Vector<V>; 2] {
-        let unit = ray.tnear.splat(self.unit);
-        let from = (ray.origin - Vector::splat(ray.tnear, self.origin)) * unit;
-        [from, ray.direction * unit]
-    }
-
     /// The part of the ray within all planes; none in lanes that are not valid.
     #[inline(always)]
     pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Interval<V> {
-        let [from, along] = self.localize(ray);
+        let [from, along] = localized(ray, self.origin, self.unit);
         let like = ray.tnear;
         let zero = like.constant(0.0);
         let distance = max_abs(from);
@@ -179,6 +171,18 @@ impl<S: Scalar> Interval<S> {
             alive: like.mask(self.alive),
         }
     }
+}
+
+/// The ray's origin and direction in a patch's space and units.
+#[inline(always)]
+pub(super) fn localized<V: Real>(
+    ray: &Ray<V>,
+    origin: Vector<V::Scalar>,
+    unit: V::Scalar,
+) -> [Vector<V>; 2] {
+    let unit = ray.tnear.splat(unit);
+    let from = (ray.origin - Vector::splat(ray.tnear, origin)) * unit;
+    [from, ray.direction * unit]
 }
 
 #[inline(always)]

@@ -55,11 +55,19 @@ impl<'a, S: Scalar> Outline<'a, S> {
     /// The whole patch.
     #[inline(always)]
     pub fn complete(&self) -> Patch<S> {
+        Patch {
+            hull: self.hull,
+            ..self.surface()
+        }
+    }
+
+    /// The patch without what rays are clipped to.
+    #[inline(always)]
+    pub(super) fn surface(&self) -> Patch<S> {
         let Some(frame) = &self.frame else {
             return Patch::empty(self.origin);
         };
         let mut patch = Patch::laid(frame, &self.normals, self.record.flags);
-        patch.hull = self.hull;
         patch.kind = self.record.kind;
         match self.record.kind {
             PatchKind::Curved | PatchKind::Degenerate => {}

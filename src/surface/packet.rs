@@ -149,7 +149,7 @@ fn single<S: Simd>(
     solver: Solver,
     normal: bool,
 ) -> (Hit<f32>, Vector<f32>) {
-    let patch = outline.complete();
+    let patch = outline.surface();
     let like = Quad(f32x4::splat(simd, 0.0));
     let hit = patch.intersect_by(
         &interval.in_lanes(like),
@@ -288,7 +288,7 @@ fn trace<S: Simd>(
         }
         let patch = &*patch.get_or_insert_with(
             #[inline(always)]
-            || outline.complete(),
+            || outline.surface(),
         );
         let hit = match asked.solver {
             Solver::Ita { .. } => patch.intersect_within(&interval, &ray, asked.solver),

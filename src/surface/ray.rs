@@ -91,7 +91,7 @@ impl<V: Real> Segment<V> {
     where
         V: Real<Scalar = S>,
     {
-        let [from, along] = patch.hull.localize(ray);
+        let [from, along] = patch.localize(ray);
         let distance = max_abs(from);
         let alive = interval.alive;
         let entry = V::select(alive, interval.start, ray.tnear);
@@ -113,7 +113,7 @@ impl<V: Real> Segment<V> {
     where
         V: Real<Scalar = S>,
     {
-        let [from, along] = patch.hull.localize(ray);
+        let [from, along] = patch.localize(ray);
         Self::unclipped(patch, from, along, ray.tnear, ray.tfar)
     }
 
