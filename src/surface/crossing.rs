@@ -10,8 +10,10 @@ use super::real::{Mask, Real, Scalar, each};
 const MAX_STEPS: usize = 8;
 /// How wrong the slope of the first guess may be, as a share of it.
 const FIRST_DOUBT: f64 = 0.25;
-/// The same of a secant's slope, for where the surface has a kink in its derivatives (on medians).
-const KINK: f64 = 2e-3;
+/// The same of a secant's slope, for where the surface has a kink in its derivatives (on medians). The
+/// last step, which is not checked by another evaluation, is short then: where a kink is far stronger,
+/// on needles with leaning normals, it still does no harm.
+const KINK: f64 = 0.016;
 /// What F's second derivative may be, in units of the paraboloid's.
 const BEND_ROOM: f64 = 2.0;
 /// F's slope along a steep ray, in units of that of the ray's height, is held between these.
@@ -81,7 +83,8 @@ impl<S: Scalar> Patch<S> {
     }
 
     /// The one root of F along steep rays: the secant method from a good guess, held between the ends
-    /// of the segment and between the places that are known to lie before and behind the root.
+    /// of the segment and between the places that are known to lie before and behind the root. Ends
+    /// where the root is known to within `close` of the parameter, or F to be within `noise` of zero.
     #[inline(always)]
     pub(super) fn crossing<V: Real<Scalar = S>>(
         &self,

@@ -4,11 +4,12 @@
 use super::frame::Frame;
 use super::ray::{RAY_EPSILONS, Ray};
 use super::real::{Mask, Real, Scalar, inlined};
+use super::sphere::Sphere;
 use super::vector::{Vector, vector};
 
 /// How far beyond its sides a patch is still searched, in barycentric coordinates, before the
 /// ray's own rounding: a guard, so that no ray slips between neighbours.
-const OVERLAP_EPSILONS: f64 = 256.0;
+pub(super) const OVERLAP_EPSILONS: f64 = 256.0;
 
 /// A half-space that the surface lies in, with room for rounding. Nothing is normalised: only the
 /// sign counts, and where it changes along a ray.
@@ -27,6 +28,8 @@ pub(super) struct Hull<S> {
     origin: Vector<S>,
     unit: S,
     planes: [Plane<S>; 5],
+    /// In the slab's place, where it was asked for.
+    pub(super) sphere: Option<Sphere<S>>,
     exists: bool,
 }
 
@@ -54,13 +57,20 @@ impl<S: Scalar> Hull<S> {
             origin,
             unit: S::from_f64(1.0),
             planes: [plane; 5],
+            sphere: None,
             exists: false,
         }
     }
 
-    /// The hull of a patch with these least and greatest heights; of a plane triangle without.
+    /// The hull of a patch with these least and greatest heights, or with a sphere in their place; of a
+    /// plane triangle without heights.
     #[inline(always)]
-    pub fn new(frame: &Frame<S>, normals: &[Vector<S>; 3], slab: Option<[S; 2]>) -> Self {
+    pub fn new(
+        frame: &Frame<S>,
+        normals: &[Vector<S>; 3],
+        slab: Option<[S; 2]>,
+        sphere: Option<Sphere<S>>,
+    ) -> Self {
         let epsilon = inlined(
             #[inline(always)]
             |count: f64| S::EPSILON * S::from_f64(count),
@@ -98,8 +108,8 @@ impl<S: Scalar> Hull<S> {
         let room = frame.area2 * epsilon(RAY_EPSILONS);
         // A flat triangle's slab has no thickness: there the crossing of its plane decides.
         let [below, above] = match slab {
-            Some([least, most]) => [-least * frame.area2, most * frame.area2],
-            None => [S::from_f64(f64::INFINITY); 2],
+            Some([least, most]) if sphere.is_none() => [-least * frame.area2, most * frame.area2],
+            _ => [S::from_f64(f64::INFINITY); 2],
         };
         let level = inlined(
             #[inline(always)]
@@ -119,6 +129,7 @@ impl<S: Scalar> Hull<S> {
                 level(up, below),
                 level(-up, above),
             ],
+            sphere,
             exists: true,
         }
     }
@@ -144,6 +155,12 @@ impl<S: Scalar> Hull<S> {
             lo = V::select(enters, crossing, lo).greater(lo);
             hi = V::select(leaves, crossing, hi).lesser(hi);
             alive = alive & (enters | leaves | zero.at_most(value));
+        }
+        if let Some(sphere) = &self.sphere {
+            let (enters, leaves, meets) = sphere.chord(from, along, distance);
+            lo = enters.greater(lo);
+            hi = leaves.lesser(hi);
+            alive = alive & meets;
         }
         Interval {
             start: lo,

@@ -1,10 +1,13 @@
 //! The part of a patch that tells most rays that they miss it.
 
+use super::flags::BoundsKind;
 use super::frame::Frame;
 use super::hull::{Hull, Interval};
-use super::patch::{Patch, PatchKind, PatchRecord, Rule};
+use super::patch::{Patch, PatchKind, Rule};
 use super::ray::{Ray, beyond};
-use super::real::{Real, Scalar, three};
+use super::real::{Real, Scalar};
+use super::record::PatchRecord;
+use super::sphere::Sphere;
 use super::vector::Vector;
 
 /// A patch's side planes and slab: what tells most rays that they miss, for a small part of what the
@@ -28,7 +31,12 @@ impl<'a, S: Scalar> Outline<'a, S> {
     ) -> Self {
         let frame = Frame::new(&positions, &normals);
         let hull = match &frame {
-            Some(frame) => Hull::new(frame, &normals, record.slab()),
+            Some(frame) => {
+                let slab = record.slab();
+                let round = record.flags().bounds() == BoundsKind::Sphere && slab.is_some();
+                let sphere = round.then(|| Sphere::of_record(frame, record.enlargement));
+                Hull::new(frame, &normals, slab, sphere)
+            }
             None => Hull::empty(positions[0]),
         };
         Self {
@@ -44,6 +52,11 @@ impl<'a, S: Scalar> Outline<'a, S> {
     #[inline(always)]
     pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Interval<V> {
         self.hull.clip(ray, valid)
+    }
+
+    /// The same as [`Patch::sphere`].
+    pub fn sphere(&self) -> Option<&Sphere<S>> {
+        self.hull.sphere.as_ref()
     }
 
     /// The same as [`Patch::beyond`].
@@ -67,9 +80,9 @@ impl<'a, S: Scalar> Outline<'a, S> {
         let Some(frame) = &self.frame else {
             return Patch::empty(self.origin);
         };
-        let mut patch = Patch::laid(frame, &self.normals, self.record.flags);
-        patch.kind = self.record.kind;
-        match self.record.kind {
+        let mut patch = Patch::laid(frame, &self.normals, self.record.flags());
+        patch.kind = self.record.kind();
+        match patch.kind {
             PatchKind::Curved | PatchKind::Degenerate => {}
             PatchKind::Fallback => patch.rule = Rule::Angular,
             PatchKind::Flat(reason) => patch.flatten(reason),
@@ -82,8 +95,8 @@ impl<'a, S: Scalar> Outline<'a, S> {
         if patch.rule == Rule::Angular {
             patch.set_angles();
         }
-        for (side, kept) in patch.sides.iter_mut().zip(&self.record.correction) {
-            side.correction = three(|n| S::from_f64(kept[n].into()));
+        for (side, kept) in patch.sides.iter_mut().zip(self.record.correction()) {
+            side.correction = kept;
         }
         patch
     }

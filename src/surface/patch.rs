@@ -7,12 +7,14 @@
 use super::bounds::{self, HeightNet};
 use super::correction;
 use super::crossing;
-use super::flags::{PatchFlags, Surface};
+use super::flags::{BoundsKind, PatchFlags, Surface};
 use super::frame::Frame;
 use super::hull::Hull;
 use super::outline::Outline;
 use super::real::{Real, Scalar, each, three};
+use super::record::PatchRecord;
 use super::sides::{Plane, Side, sides};
+use super::sphere::Sphere;
 use super::vector::{Vector, vector};
 
 /// Below this cosine between a vertex normal and the triangle's plane normal the method does not
@@ -80,37 +82,6 @@ pub(super) struct Vertex<S> {
     pub inverse_angle: S,
 }
 
-/// The per-triangle results worth keeping: with the three vertices they give the patch back
-/// without computing bounds and correction again.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct PatchRecord {
-    pub(super) flags: PatchFlags,
-    pub(super) kind: PatchKind,
-    pub(super) steepness: u8,
-    pub(super) slab: [f32; 2],
-    pub(super) correction: [[f32; 3]; 3],
-}
-
-impl PatchRecord {
-    /// The flags the patch was made with.
-    pub fn flags(&self) -> PatchFlags {
-        self.flags
-    }
-    /// What the triangle turned out to be.
-    pub fn kind(&self) -> PatchKind {
-        self.kind
-    }
-
-    /// Least and greatest height, unless the triangle is plane.
-    #[inline(always)]
-    pub(super) fn slab<S: Scalar>(&self) -> Option<[S; 2]> {
-        let [least, most] = self.slab;
-        let curved = matches!(self.kind, PatchKind::Curved | PatchKind::Fallback);
-        curved.then(|| [S::from_f64(least.into()), S::from_f64(most.into())])
-    }
-}
-
 /// A curved triangle, ready for rays.
 ///
 /// `S` is `f32` or `f64`; the `f64` patch of the same vertices is the oracle for the `f32` one.
@@ -171,8 +142,12 @@ impl<S: Scalar> Patch<S> {
             PatchKind::Flat(reason) => Err(reason),
             _ => patch.curve(flags),
         };
+        let mut sphere = None;
         match curved {
             Ok(net) => {
+                if flags.bounds() == BoundsKind::Sphere {
+                    sphere = Some(Sphere::around(&frame, &patch, &net));
+                }
                 patch.slab = net.slab();
                 patch.set_steepness(if flags.is_unchecked() {
                     u8::MAX
@@ -182,7 +157,7 @@ impl<S: Scalar> Patch<S> {
             }
             Err(reason) => patch.flatten(reason),
         }
-        patch.hull = Hull::new(&frame, &normals, patch.curved_slab());
+        patch.hull = Hull::new(&frame, &normals, patch.curved_slab(), sphere);
         patch
     }
 
@@ -193,19 +168,6 @@ impl<S: Scalar> Patch<S> {
         record: &PatchRecord,
     ) -> Self {
         Outline::new(positions, normals, record).complete()
-    }
-
-    /// What [`Patch::from_record`] needs to know beside the vertices.
-    pub fn record(&self, flags: PatchFlags) -> PatchRecord {
-        PatchRecord {
-            flags,
-            kind: self.kind,
-            steepness: self.steepness,
-            slab: self.slab.map(|z| z.to_f64() as f32),
-            correction: self
-                .sides
-                .map(|side| side.correction.map(|c| c.to_f64() as f32)),
-        }
     }
 
     /// What the triangle turned out to be.
@@ -227,6 +189,12 @@ impl<S: Scalar> Patch<S> {
     /// positions. Conservative.
     pub fn heights(&self) -> [S; 2] {
         self.slab.map(|z| z * self.size)
+    }
+
+    /// The sphere that bounds the patch, if it was [asked](PatchFlags::with_bounds) for and the patch is
+    /// not flat.
+    pub fn sphere(&self) -> Option<&Sphere<S>> {
+        self.hull.sphere.as_ref()
     }
 
     /// The patch of a triangle, without the correction, the slab and the steepness.
@@ -383,6 +351,7 @@ impl<S: Scalar> Patch<S> {
         }
         if flags.surface() == Surface::Smooth {
             correction::fit(self, flags);
+            self.round_correction();
         }
         Ok(HeightNet::new(self, &spread))
     }
@@ -408,8 +377,3 @@ impl<S: Scalar> Patch<S> {
         }
     }
 }
-
-const _: () = assert!(
-    size_of::<PatchRecord>() == 48,
-    "what is kept of a triangle has grown"
-);
