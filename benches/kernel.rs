@@ -144,14 +144,7 @@ fn single(bencher: Bencher<'_, '_>, (method, fate): (Method, Fate)) {
     bencher.bench_local(|| {
         n = (n + 1) % RAYS;
         let ray = black_box(&rays[n]);
-        let outline = triangle.outline();
-        let segment = outline.clip(ray, true);
-        if segment.is_empty() {
-            return None;
-        }
-        let patch = outline.complete();
-        let hit = patch.intersect_single(&segment, ray, solver);
-        hit.found.then(|| (hit.t, patch.normal_at(hit.u, hit.v)))
+        triangle.outline().intersect(ray, solver, true)
     });
 }
 
@@ -193,7 +186,10 @@ fn evaluation(bencher: Bencher<'_, '_>, surface: Surface) {
     let triangle = Triangle::new(PatchFlags::new(surface));
     let rays = triangle.rays(Fate::Hit);
     let patch = triangle.outline().complete();
-    let segments: Vec<_> = rays.iter().map(|ray| patch.clip(ray, true)).collect();
+    let segments: Vec<_> = rays
+        .iter()
+        .map(|ray| patch.segment(ray, &patch.clip(ray, true)))
+        .collect();
     let mut n = 0;
     bencher.bench_local(|| {
         n = (n + 1) % RAYS;

@@ -25,11 +25,13 @@ impl UserGeometry for CurvedMesh {
     }
 
     fn intersect(&self, query: &mut IntersectQuery<'_>) {
-        self.trace(query, IntersectQuery::report);
+        self.trace(query, true, IntersectQuery::report);
     }
 
     fn occluded(&self, query: &mut OccludedQuery<'_>) {
-        self.trace(query, OccludedQuery::report);
+        // Only filters look at the hit.
+        let normals = query.has_filters();
+        self.trace(query, normals, OccludedQuery::report);
     }
 }
 
@@ -65,22 +67,24 @@ fn rest_of_ray(outline: &Outline<'_, f32>, query: &QueryRays<'_>, lane: usize, t
 }
 
 impl CurvedMesh {
-    /// Offers the roots of a query's rays on its primitive.
+    /// Offers the roots of a query's rays on its primitive, with the surface's normals there if
+    /// `normals`, else zeros.
     fn trace<'a, Q: DerefMut<Target = QueryRays<'a>>>(
         &self,
         query: &mut Q,
+        normals: bool,
         report: impl Fn(&mut Q, usize, SurfaceHit) -> bool + Copy,
     ) {
         let prim = query.prim_id();
         let Some(clusters) = &self.clusters else {
-            return self.trace_triangle(query, prim, query.valid(), report);
+            return self.trace_triangle(query, prim, query.valid(), normals, report);
         };
         let cluster = &clusters[prim as usize];
         if query.valid().count_ones() < MIN_PACKET {
             for lane in query.lanes() {
                 let mut entries = cluster.entries(&query.ray(lane));
                 while let Some(n) = entries.next(query.tfar()[lane]) {
-                    self.trace_triangle(query, cluster.triangle(n), 1 << lane, report);
+                    self.trace_triangle(query, cluster.triangle(n), 1 << lane, normals, report);
                 }
             }
             return;
@@ -90,7 +94,7 @@ impl CurvedMesh {
             // Lanes that are occluded by now are valid no more.
             let lanes = lanes & query.valid();
             if lanes != 0 {
-                self.trace_triangle(query, cluster.triangle(n), lanes, report);
+                self.trace_triangle(query, cluster.triangle(n), lanes, normals, report);
             }
         }
     }
@@ -101,6 +105,7 @@ impl CurvedMesh {
         query: &mut Q,
         triangle: u32,
         valid: u32,
+        normals: bool,
         report: impl Fn(&mut Q, usize, SurfaceHit) -> bool,
     ) {
         query.set_prim_id(triangle);
@@ -108,19 +113,20 @@ impl CurvedMesh {
         if valid.count_ones() < MIN_PACKET {
             for lane in lanes(valid) {
                 let ray = kernel_ray(&query.ray(lane));
-                self.offer_roots(&outline, ray, |hit| report(query, lane, hit));
+                self.offer_roots(&outline, ray, normals, |hit| report(query, lane, hit));
             }
             return;
         }
-        let hits = self.packet_hits(&outline, query, valid);
+        let hits = self.packet_hits(&outline, query, valid, normals);
         for lane in lanes(hits.found) {
             if !report(query, lane, surface_hit(&hits, lane)) {
                 let ray = rest_of_ray(&outline, query, lane, hits.t[lane]);
-                self.offer_roots(&outline, ray, |hit| report(query, lane, hit));
+                self.offer_roots(&outline, ray, normals, |hit| report(query, lane, hit));
             }
         }
     }
 
+    #[inline(always)]
     fn outline(&self, triangle: u32) -> Outline<'_, f32> {
         super::outline(
             &self.mesh,
@@ -135,8 +141,9 @@ impl CurvedMesh {
         outline: &Outline<'_, f32>,
         query: &QueryRays<'_>,
         valid: u32,
+        normals: bool,
     ) -> HitLanes {
-        let hits = outline.intersect_packet(&ray_lanes(query), valid, self.solver, true);
+        let hits = outline.intersect_packet(&ray_lanes(query), valid, self.solver, normals);
         count(valid.count_ones().into(), hits.evaluations.into());
         hits
     }
@@ -146,30 +153,19 @@ impl CurvedMesh {
         &self,
         outline: &Outline<'_, f32>,
         mut ray: Ray<f32>,
+        normals: bool,
         mut report: impl FnMut(SurfaceHit) -> bool,
     ) {
         let mut evaluations = 0;
-        let mut segment = outline.clip(&ray, true);
-        if !segment.is_empty() {
-            let patch = outline.complete();
-            loop {
-                let hit = patch.intersect_single(&segment, &ray, self.solver);
-                evaluations += u64::from(hit.evaluations);
-                if !hit.found {
-                    break;
-                }
-                let ng = patch.normal_at(hit.u, hit.v).into();
-                if report(SurfaceHit {
-                    t: hit.t,
-                    u: hit.u,
-                    v: hit.v,
-                    ng,
-                }) {
-                    break;
-                }
-                ray.tnear = outline.beyond(&ray, hit.t);
-                segment = outline.clip(&ray, true);
+        loop {
+            let (hit, normal) = outline.intersect(&ray, self.solver, normals);
+            evaluations += u64::from(hit.evaluations);
+            let (t, u, v) = (hit.t, hit.u, hit.v);
+            let ng = normal.into();
+            if !hit.found || report(SurfaceHit { t, u, v, ng }) {
+                break;
             }
+            ray.tnear = outline.beyond(&ray, t);
         }
         count(1, evaluations);
     }

@@ -307,6 +307,11 @@ impl IntersectQuery<'_> {
 }
 
 impl OccludedQuery<'_> {
+    /// Whether hits are shown to filters. Else of a hit only `t` is looked at.
+    pub fn has_filters(&self) -> bool {
+        self.filtered.any
+    }
+
     /// Offers a hit of a lane's ray. Returns whether it counts, as in [`IntersectQuery::report`]; the
     /// ray is done then, and its lane no longer valid.
     ///

@@ -431,7 +431,7 @@ impl<S: Scalar> Patch<S> {
             let huge = S::HUGE;
             return [huge, -huge].map(|v| Vector { x: v, y: v, z: v });
         }
-        if let Some(sphere) = &self.sphere {
+        if let Some(sphere) = self.sphere() {
             return sphere.bounds(self);
         }
         let net = match self.rule {

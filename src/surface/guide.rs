@@ -6,8 +6,9 @@
 //! side whose sub-triangle the foot lies in.
 
 use super::dual::{at_least, capped, lesser};
-use super::patch::{Patch, Rule, Side, next};
+use super::patch::{Patch, Rule, next};
 use super::real::{Jet, Real, Scalar, inlined, three};
+use super::sides::Side;
 use super::vector::Vector;
 
 /// Which side's sub-triangle each lane is in.
@@ -172,13 +173,18 @@ impl<S: Scalar> Patch<S> {
         }
     }
 
-    /// How far beside a foot's guide the point lies that it was found for, in units of the patch's
-    /// size: zero but for rounding, except where the point is so far off the surface that no guide
+    /// How far beside a foot's guide the point lies that it was found for, squared, in units of the
+    /// patch's size: zero but for rounding, except where the point is so far off the surface that no guide
     /// leads there.
     #[inline(always)]
-    pub(super) fn strayed<V: Real<Scalar = S>>(&self, foot: &Foot<V, V>, above: [V; 3], z: V) -> V {
+    pub(super) fn strayed2<V: Real<Scalar = S>>(
+        &self,
+        foot: &Foot<V, V>,
+        above: [V; 3],
+        z: V,
+    ) -> V {
         let choice = foot.choice;
-        let out = foot.lean * z / choice.constant(|k| self.sides[k].height);
+        let out = foot.lean * z * choice.constant(|k| self.sides[k].per_height);
         let back = out * choice.constant(|k| self.sides[k].foot);
         // How the chosen side's first, second and opposite coordinate change along the guide.
         let shift = [back - out, -back, out];
@@ -190,7 +196,8 @@ impl<S: Scalar> Patch<S> {
             },
         );
         let [to_second, to_third] = Vector::splat_both(z, self.spokes);
-        (to_second * missed(1) + to_third * missed(2)).length()
+        let beside = to_second * missed(1) + to_third * missed(2);
+        beside.dot(beside)
     }
 
     /// The coordinate of the opposite vertex where the perpendicular at `along` meets the median.

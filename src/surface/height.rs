@@ -46,12 +46,11 @@ impl<S: Scalar> Patch<S> {
         let guide2 = (foot.lean * foot.lean).plus(like.constant(1.0));
         let height = foot.choice.constant(|k| self.sides[k].height);
         let up = foot.choice.pick([b[2], b[0], b[1]]).times(height);
-        let mut sum = T::lift(like.constant(0.0));
-        for i in 0..3 {
-            let t = self.sphere_parameter(i, foot, damping, guide2, up, height);
-            sum = sum + b[i] * t;
-        }
-        sum
+        let [first, second, third] = three(
+            #[inline(always)]
+            |i| b[i] * self.sphere_parameter(i, foot, damping, guide2, up, height),
+        );
+        first + second + third
     }
 
     /// The guide line's parameter `t` on the sphere of vertex `i`: the root of
@@ -171,20 +170,24 @@ impl<S: Scalar> Patch<S> {
             #[inline(always)]
             |k| b[k] * b[next(k)],
         );
-        let mut sum = T::lift(zero);
-        for (k, side) in self.sides.iter().enumerate() {
-            let along = b[next(k)] + b[next(next(k))].times(like.splat(side.foot));
-            let along = capped(at_least(along, zero), one);
-            let [c0, c1, c2] = three(
-                #[inline(always)]
-                |n| like.splat(side.correction[n]),
-            );
-            let mut slope = (along * along.times(c2).plus(c1)).plus(c0);
-            if self.any_loose {
-                slope = slope / loosened(side.loose, along, b[k], b[next(k)]);
-            }
-            sum = sum + weights[k] * slope;
-        }
+        let [first, second, third] = three(
+            #[inline(always)]
+            |k| {
+                let side = &self.sides[k];
+                let along = b[next(k)] + b[next(next(k))].times(like.splat(side.foot));
+                let along = capped(at_least(along, zero), one);
+                let [c0, c1, c2] = three(
+                    #[inline(always)]
+                    |n| like.splat(side.correction[n]),
+                );
+                let mut slope = (along * along.times(c2).plus(c1)).plus(c0);
+                if self.any_loose {
+                    slope = slope / loosened(side.loose, along, b[k], b[next(k)]);
+                }
+                weights[k] * slope
+            },
+        );
+        let sum = first + second + third;
         let share = weights[0] + weights[1] + weights[2];
         let bubble = weights[0] * b[2];
         // Outside a vertex the weights' sum can vanish, so there the correction fades out.

@@ -3,10 +3,11 @@
 use std::cell::Cell;
 
 use super::finish::{self, MAX_PARTS, Samples};
+use super::hull::{Interval, localized};
 use super::ita::{self, Root};
-use super::patch::{Patch, PatchKind, Rule, next};
-use super::ray::{self, Ray, Segment};
-use super::real::{Mask, Real, Scalar, inlined};
+use super::patch::{Patch, Rule, next};
+use super::ray::{Ray, Segment, beyond, is_thin};
+use super::real::{Mask, Real, Scalar, each, inlined};
 use super::vector::Vector;
 
 /// A hit's barycentric coordinates may lie this far outside: neighbours overlap a little.
@@ -16,8 +17,6 @@ const MAX_OUTSIDE: f64 = 9e-5;
 const MAX_ROOTS: u32 = 4;
 /// Height of the slab, in units of the patch's size, from which on a ray is sampled twice as densely.
 const HIGH_SLAB: f64 = 0.4;
-/// How far beyond a root the search for the next one begins, in units of the patch's size.
-const BEYOND: f64 = 1e-5;
 /// How far from zero F may be by rounding alone: as near as a root need be found.
 const NOISE_EPSILONS: f64 = 2.0;
 
@@ -79,7 +78,7 @@ pub struct Hit<V: Real> {
 impl<V: Real> Hit<V> {
     /// No hit, in as many lanes as `like` has.
     #[inline(always)]
-    fn none(like: V) -> Self {
+    pub(super) fn none(like: V) -> Self {
         let zero = like.constant(0.0);
         Self {
             found: like.mask(false),
@@ -91,47 +90,92 @@ impl<V: Real> Hit<V> {
     }
 }
 
+impl<S: Scalar> Hit<S> {
+    /// The same hit in all lanes of a value like this one.
+    #[inline(always)]
+    pub(super) fn in_lanes<V: Real<Scalar = S>>(&self, like: V) -> Hit<V> {
+        let found = like.mask(self.found);
+        Hit {
+            found,
+            t: like.splat(self.t),
+            u: like.splat(self.u),
+            v: like.splat(self.v),
+            evaluations: self.evaluations * like.mask(true).count(),
+        }
+    }
+}
+
 impl<S: Scalar> Patch<S> {
     /// The first hit with `tnear < t <= tfar`.
     #[inline(always)]
     pub fn intersect<V: Real<Scalar = S>>(&self, ray: &Ray<V>, solver: Solver) -> Hit<V> {
-        let segment = self.clip(ray, ray.tnear.mask(true));
-        self.intersect_within(&segment, ray, solver)
+        let interval = self.clip(ray, ray.tnear.mask(true));
+        self.intersect_within(&interval, ray, solver)
     }
 
     /// Where the ray can meet the surface at all, in the valid lanes.
     #[inline(always)]
-    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Segment<V> {
-        let exists = ray.tnear.mask(self.kind() != PatchKind::Degenerate);
-        Segment::clip(self, ray, valid & exists)
+    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Interval<V> {
+        self.hull.clip(ray, valid)
+    }
+
+    /// The ray's origin and direction in the patch's space and units.
+    #[inline(always)]
+    pub(super) fn localize<V: Real<Scalar = S>>(&self, ray: &Ray<V>) -> [Vector<V>; 2] {
+        localized(ray, self.origin, S::from_f64(1.0) / self.size)
+    }
+
+    /// A ray's way over the patch within an interval.
+    #[inline(always)]
+    pub fn segment<V: Real<Scalar = S>>(&self, ray: &Ray<V>, interval: &Interval<V>) -> Segment<V> {
+        Segment::new(self, ray, interval)
     }
 
     /// The same as [`Patch::intersect`] for a ray that was [clipped](Patch::clip) before.
     #[inline(always)]
     pub fn intersect_within<V: Real<Scalar = S>>(
         &self,
-        segment: &Segment<V>,
+        interval: &Interval<V>,
         ray: &Ray<V>,
         solver: Solver,
     ) -> Hit<V> {
-        self.intersect_sampled(segment, ray, solver, |_, _| None)
+        self.intersect_sampled(interval, ray, solver, |_, _| None)
     }
 
     /// The same with a function that may know F at equal steps along a segment.
     #[inline(always)]
     pub(super) fn intersect_sampled<V: Real<Scalar = S>>(
         &self,
-        segment: &Segment<V>,
+        interval: &Interval<V>,
         ray: &Ray<V>,
         solver: Solver,
         sampler: impl Fn(&Segment<V>, Steps<V>) -> Option<Samples<V>>,
     ) -> Hit<V> {
-        if segment.is_empty() {
+        self.intersect_by(
+            interval,
+            ray,
+            solver,
+            #[inline(always)]
+            |segment| self.searched(segment, solver, &sampler),
+        )
+    }
+
+    /// The same with a function that finds the hits of rays that are not steep.
+    #[inline(always)]
+    pub(super) fn intersect_by<V: Real<Scalar = S>>(
+        &self,
+        interval: &Interval<V>,
+        ray: &Ray<V>,
+        solver: Solver,
+        search: impl FnOnce(Segment<V>) -> Hit<V>,
+    ) -> Hit<V> {
+        if interval.is_empty() {
             return Hit::none(ray.tnear);
         }
+        let segment = Segment::new(self, ray, interval);
         let hit = match self.rule {
-            Rule::Flat => self.plane_hit(segment),
-            _ => self.surface_hit(*segment, solver, sampler),
+            Rule::Flat => self.plane_hit(&segment),
+            _ => self.surface_hit(segment, solver, search),
         };
         Hit {
             found: hit.found & ray.tnear.less(hit.t) & hit.t.at_most(ray.tfar),
@@ -143,15 +187,16 @@ impl<S: Scalar> Patch<S> {
     fn plane_hit<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Hit<V> {
         let at = segment.plane_crossing();
         let inside = at.constant(0.0).at_most(at) & at.at_most(segment.length);
+        let inside = segment.alive & inside;
         let b = segment.projection(at);
-        let ([u, v], moved) = self.kept_inside(b);
+        let ([u, v], moved) = self.kept_inside(b, inside);
         let (mut t, mut beside) = (segment.start + at, moved);
-        if ray::is_thin(self) {
+        if is_thin(self) {
             // A ray at a grazing angle that was moved onto a side passes it elsewhere.
             let [later, off] = segment.passing(self, [u - b[1], v - b[2]]);
             (t, beside) = (t + later, off);
         }
-        let found = segment.alive & inside & beside.at_most(segment.stray_room);
+        let found = inside & beside.at_most(segment.stray_room);
         Hit {
             found,
             t,
@@ -161,28 +206,76 @@ impl<S: Scalar> Patch<S> {
         }
     }
 
+    /// The hits of steep rays, and of the others by a search.
     #[inline(always)]
     fn surface_hit<V: Real<Scalar = S>>(
         &self,
         mut segment: Segment<V>,
         solver: Solver,
-        sampler: impl Fn(&Segment<V>, Steps<V>) -> Option<Samples<V>>,
+        search: impl FnOnce(Segment<V>) -> Hit<V>,
+    ) -> Hit<V> {
+        let mut hit = Hit::none(segment.start);
+        let steep = segment.alive & self.is_steep(&segment);
+        if matches!(solver, Solver::Finish { .. }) && steep.any() {
+            let missed = self.steep_hit(&segment, steep, &mut hit);
+            segment.alive = segment.alive & !hit.found & !missed;
+        }
+        if !segment.alive.any() {
+            return hit;
+        }
+        let other = search(segment);
+        Hit {
+            found: hit.found | other.found,
+            t: V::select(other.found, other.t, hit.t),
+            u: V::select(other.found, other.u, hit.u),
+            v: V::select(other.found, other.v, hit.v),
+            evaluations: hit.evaluations + other.evaluations,
+        }
+    }
+
+    /// Finds the hits of steep rays; gives the lanes that have none for certain.
+    #[inline(always)]
+    fn steep_hit<V: Real<Scalar = S>>(
+        &self,
+        segment: &Segment<V>,
+        steep: V::Mask,
+        hit: &mut Hit<V>,
+    ) -> V::Mask {
+        let noise = self.noise(segment);
+        // Not the coarser tolerance of rays from afar: the room for a doubtful slope grows with it.
+        let close = [noise / segment.speed, noise];
+        let evaluations = &mut hit.evaluations;
+        let crossing = self.crossing(
+            segment,
+            steep,
+            close,
+            #[inline(always)]
+            |at, lanes: V::Mask| {
+                *evaluations += lanes.count();
+                self.clearance(segment, at)
+            },
+        );
+        hit.found = self.verify(segment, crossing.at, crossing.found, hit);
+        crossing.missed
+    }
+
+    /// Finds the first hits of rays that may meet the surface several times.
+    #[inline(always)]
+    pub(super) fn searched<V: Real<Scalar = S>>(
+        &self,
+        mut segment: Segment<V>,
+        solver: Solver,
+        sampler: &impl Fn(&Segment<V>, Steps<V>) -> Option<Samples<V>>,
     ) -> Hit<V> {
         let mut hit = Hit::none(segment.start);
         for _ in 0..MAX_ROOTS {
-            let root = self.first_root(&segment, solver, &sampler, &mut hit.evaluations);
-            let (above, z) = (segment.projection(root.at), segment.z(root.at));
-            let foot = self.foot_under(above, z);
-            let ([u, v], moved) = self.kept_inside(foot.b);
-            // Far off the surface the inverse of the guide field can jump, and F with it, past
-            // zero: no root. Nor is a foot outside.
-            let room = segment.stray_room;
-            let met = root.value.at_most(room + segment.steps(root.width));
-            let on_guide = self.strayed(&foot, above, z).at_most(room);
-            let true_root = root.found & met & on_guide & moved.at_most(room);
-            hit.t = V::select(true_root, segment.start + root.at, hit.t);
-            hit.u = V::select(true_root, u, hit.u);
-            hit.v = V::select(true_root, v, hit.v);
+            let root = self.first_root(&segment, solver, sampler, &mut hit.evaluations);
+            // Far off the surface the inverse of the guide field can jump, and F with it, past zero:
+            // no root.
+            let met = root
+                .value
+                .at_most(segment.stray_room + segment.steps(root.width));
+            let true_root = self.verify(&segment, root.at, root.found & met, &mut hit);
             hit.found = hit.found | true_root;
             segment.alive = root.found & !true_root;
             if !segment.alive.any() {
@@ -193,13 +286,39 @@ impl<S: Scalar> Patch<S> {
         hit
     }
 
+    /// Sets the hit where a root is one: the point there is on its guide, and the foot inside.
+    #[inline(always)]
+    fn verify<V: Real<Scalar = S>>(
+        &self,
+        segment: &Segment<V>,
+        at: V,
+        found: V::Mask,
+        hit: &mut Hit<V>,
+    ) -> V::Mask {
+        let (above, z) = (segment.projection(at), segment.z(at));
+        let foot = self.foot_under(above, z);
+        let ([u, v], moved) = self.kept_inside(foot.b, found);
+        let room = segment.stray_room;
+        let on_guide = self.strayed2(&foot, above, z).at_most(room * room);
+        let true_root = found & on_guide & moved.at_most(room);
+        hit.t = V::select(true_root, segment.start + at, hit.t);
+        hit.u = V::select(true_root, u, hit.u);
+        hit.v = V::select(true_root, v, hit.v);
+        true_root
+    }
+
+    /// How far from zero F may be by rounding alone: as near as a root need be found.
+    #[inline(always)]
+    fn noise<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> V {
+        segment
+            .length
+            .splat(S::EPSILON * S::from_f64(NOISE_EPSILONS))
+    }
+
     /// The least parameter at which to look for the root after the one at `t`: beyond the reach of
     /// rounding, so that the same root is not found twice.
     pub fn beyond(&self, ray: &Ray<S>, t: S) -> S {
-        let way = ray.direction.length();
-        let distance = (ray.origin - self.origin).length();
-        let step = self.size * S::from_f64(BEYOND) + distance * S::EPSILON * S::from_f64(8.0);
-        t + (step / way).greater(t.abs() * S::EPSILON * S::from_f64(2.0))
+        beyond(self.origin, self.size, ray, t)
     }
 
     /// F of equation (44), whose roots are the hits: the ray's height over the triangle's plane less
@@ -254,8 +373,7 @@ impl<S: Scalar> Patch<S> {
                 if samples.is_some() {
                     count.set(count.get() + parts as u32 + 1);
                 }
-                let noise = length.splat(S::EPSILON * S::from_f64(NOISE_EPSILONS));
-                let close = [segment.tolerance(), noise];
+                let close = [segment.tolerance(), self.noise(segment)];
                 finish::first_root(f, length, close, alive, parts, samples.as_ref())
             }
         };
@@ -276,28 +394,35 @@ impl<S: Scalar> Patch<S> {
 
 impl<S: Scalar> Patch<S> {
     /// `b2` and `b3`, moved onto the nearest side where rounding of a ray from afar put them
-    /// further out than neighbours overlap; and how far that is, in units of the patch's size.
+    /// further out than neighbours overlap; and how far that is, in units of the patch's size. In the
+    /// lanes that matter.
     #[inline(always)]
-    fn kept_inside<V: Real<Scalar = S>>(&self, b: [V; 3]) -> ([V; 2], V) {
+    fn kept_inside<V: Real<Scalar = S>>(&self, b: [V; 3], lanes: V::Mask) -> ([V; 2], V) {
         let like = b[0];
         let (zero, one) = (like.constant(0.0), like.constant(1.0));
         let floor = like.constant(-MAX_OUTSIDE);
-        let outside = b[0].less(floor) | b[1].less(floor) | b[2].less(floor);
-        let (mut u, mut v, mut furthest) = (b[1], b[2], zero);
-        for (k, side) in self.sides.iter().enumerate() {
-            let (j, m) = (next(k), next(next(k)));
-            let distance = b[m] * like.splat(side.height);
-            let further = outside & distance.less(furthest);
-            let along = (b[j] + b[m] * like.splat(side.foot))
-                .greater(zero)
-                .lesser(one);
-            let mut on_side = [zero; 3];
-            on_side[k] = one - along;
-            on_side[j] = along;
-            u = V::select(further, on_side[1], u);
-            v = V::select(further, on_side[2], v);
-            furthest = V::select(further, distance, furthest);
+        let outside = lanes & (b[0].less(floor) | b[1].less(floor) | b[2].less(floor));
+        if !outside.any() {
+            return ([b[1], b[2]], zero);
         }
+        let (mut u, mut v, mut furthest) = (b[1], b[2], zero);
+        each(
+            #[inline(always)]
+            |k| {
+                let (side, j, m) = (&self.sides[k], next(k), next(next(k)));
+                let distance = b[m] * like.splat(side.height);
+                let further = outside & distance.less(furthest);
+                let along = (b[j] + b[m] * like.splat(side.foot))
+                    .greater(zero)
+                    .lesser(one);
+                let mut on_side = [zero; 3];
+                on_side[k] = one - along;
+                on_side[j] = along;
+                u = V::select(further, on_side[1], u);
+                v = V::select(further, on_side[2], v);
+                furthest = V::select(further, distance, furthest);
+            },
+        );
         let [to_second, to_third] = Vector::splat_both(like, self.spokes);
         let moved = (to_second * (b[1] - u) + to_third * (b[2] - v)).length();
         ([u, v], moved)

@@ -18,12 +18,15 @@
 
 mod bounds;
 mod correction;
+mod crossing;
 mod dual;
 mod finish;
 mod flags;
+mod frame;
 mod guide;
 mod height;
 mod hit;
+mod hull;
 mod ita;
 mod lanes;
 mod outline;
@@ -34,6 +37,7 @@ mod range;
 mod ray;
 mod real;
 mod record;
+mod sides;
 mod sphere;
 mod vector;
 
@@ -46,6 +50,7 @@ pub use dual::Dual;
 pub use finish::MAX_PARTS;
 pub use flags::{BoundsKind, PatchFlags, Surface};
 pub use hit::{Hit, Solver};
+pub use hull::Interval;
 pub use outline::Outline;
 pub use packet::{HitLanes, MAX_LANES, RayLanes};
 pub use patch::{FlatReason, Patch, PatchKind};

@@ -1,48 +1,48 @@
-//! The half of a patch that tells most rays that they miss it.
+//! The part of a patch that tells most rays that they miss it.
 
 use super::flags::BoundsKind;
+use super::frame::Frame;
+use super::hull::{Hull, Interval};
 use super::patch::{Patch, PatchKind, Rule};
-use super::ray::{Ray, Segment};
+use super::ray::{Ray, beyond};
 use super::real::{Real, Scalar};
 use super::record::PatchRecord;
 use super::sphere::Sphere;
 use super::vector::Vector;
 
-/// A patch's plane, side planes and slab: what tells most rays that they miss, for half of what the
+/// A patch's side planes and slab: what tells most rays that they miss, for a small part of what the
 /// whole patch costs.
 #[derive(Clone, Copy, Debug)]
 pub struct Outline<'a, S> {
-    patch: Patch<S>,
-    edges: [Vector<S>; 3],
+    frame: Option<Frame<S>>,
+    hull: Hull<S>,
+    origin: Vector<S>,
     normals: [Vector<S>; 3],
     record: &'a PatchRecord,
 }
 
 impl<'a, S: Scalar> Outline<'a, S> {
     /// The outline of the patch of these vertices, from what [`Patch::record`] kept of it.
-    #[inline]
+    #[inline(always)]
     pub fn new(
         positions: [Vector<S>; 3],
         normals: [Vector<S>; 3],
         record: &'a PatchRecord,
     ) -> Self {
-        let mut patch = Patch::empty(positions[0]);
-        let edges = patch.lay_out(positions, normals);
-        patch.kind = record.kind();
-        let [least, most] = record.slab;
-        patch.slab = [S::from_f64(least.into()), S::from_f64(most.into())];
-        match patch.kind {
-            PatchKind::Curved => patch.rule = Rule::of(record.flags().surface()),
-            PatchKind::Fallback => patch.rule = Rule::Angular,
-            PatchKind::Flat(reason) => patch.flatten(reason),
-            PatchKind::Degenerate => {}
-        }
-        if record.flags().bounds() == BoundsKind::Sphere && patch.rule != Rule::Flat {
-            patch.sphere = Some(Sphere::of_record(&patch, record.enlargement));
-        }
+        let frame = Frame::new(&positions, &normals);
+        let hull = match &frame {
+            Some(frame) => {
+                let slab = record.slab();
+                let round = record.flags().bounds() == BoundsKind::Sphere && slab.is_some();
+                let sphere = round.then(|| Sphere::of_record(frame, record.enlargement));
+                Hull::new(frame, &normals, slab, sphere)
+            }
+            None => Hull::empty(positions[0]),
+        };
         Self {
-            patch,
-            edges: edges.unwrap_or(patch.gradients),
+            frame,
+            hull,
+            origin: positions[0],
             normals,
             record,
         }
@@ -50,28 +50,48 @@ impl<'a, S: Scalar> Outline<'a, S> {
 
     /// Where the ray can meet the surface at all, in the valid lanes.
     #[inline(always)]
-    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Segment<V> {
-        self.patch.clip(ray, valid)
+    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Interval<V> {
+        self.hull.clip(ray, valid)
     }
 
     /// The same as [`Patch::sphere`].
     pub fn sphere(&self) -> Option<&Sphere<S>> {
-        self.patch.sphere()
+        self.hull.sphere.as_ref()
     }
 
     /// The same as [`Patch::beyond`].
     pub fn beyond(&self, ray: &Ray<S>, t: S) -> S {
-        self.patch.beyond(ray, t)
+        let size = self.frame.as_ref().map_or(S::from_f64(1.0), |f| f.size);
+        beyond(self.origin, size, ray, t)
     }
 
     /// The whole patch.
-    #[inline]
-    pub fn complete(self) -> Patch<S> {
-        let mut patch = self.patch;
-        if patch.rule == Rule::Flat {
-            return patch;
+    #[inline(always)]
+    pub fn complete(&self) -> Patch<S> {
+        Patch {
+            hull: self.hull,
+            ..self.surface()
         }
-        patch.lay_surface(self.edges, self.normals, self.record.flags());
+    }
+
+    /// The patch without what rays are clipped to.
+    #[inline(always)]
+    pub(super) fn surface(&self) -> Patch<S> {
+        let Some(frame) = &self.frame else {
+            return Patch::empty(self.origin);
+        };
+        let mut patch = Patch::laid(frame, &self.normals, self.record.flags());
+        patch.kind = self.record.kind();
+        match patch.kind {
+            PatchKind::Curved | PatchKind::Degenerate => {}
+            PatchKind::Fallback => patch.rule = Rule::Angular,
+            PatchKind::Flat(reason) => patch.flatten(reason),
+        }
+        let Some(slab) = self.record.slab() else {
+            return patch;
+        };
+        patch.slab = slab;
+        patch.set_steepness(self.record.steepness);
         if patch.rule == Rule::Angular {
             patch.set_angles();
         }

@@ -1,15 +1,16 @@
 //! A packet of rays against one patch, on SIMD lanes: the kernel's one source over [`Lanes`], for
 //! whatever instruction set the processor turns out to have.
 
-use fearless_simd::{Level, dispatch, prelude::*};
+use fearless_simd::{Level, dispatch, f32x4, prelude::*};
 
 use super::finish::{MAX_PARTS, Samples};
 use super::hit::{Hit, Solver, Steps};
-use super::lanes::{LaneMask, Lanes};
+use super::hull::Interval;
+use super::lanes::{LaneMask, Lanes, Quad};
 use super::outline::Outline;
 use super::patch::Patch;
-use super::ray::{Ray, Segment};
-use super::real::{Real, inlined};
+use super::ray::{Ray, SEGMENT_NUMBERS, Segment};
+use super::real::{Mask, Real, inlined};
 use super::vector::{Vector, vector};
 
 /// Most rays of a packet.
@@ -103,35 +104,133 @@ impl Outline<'_, f32> {
     }
 }
 
-impl Patch<f32> {
-    /// [`Patch::intersect_within`] of one ray, which samples F at all parts' ends at once, one a lane.
+impl Outline<'_, f32> {
+    /// Where the ray first meets the surface with `tnear < t <= tfar`, and the surface's normal there
+    /// if `normal`, else zeros.
     ///
-    /// The answer is bit for bit the same, but for the count of evaluations, which are then those of
-    /// all samples, also those beyond the first root.
-    pub fn intersect_single(
+    /// The answer is bit for bit that of [`Patch::intersect`] and [`Patch::normal_at`], but for the count
+    /// of evaluations: a ray that may meet the surface several times has it sampled in many places at
+    /// once, also in those beyond the first root.
+    #[inline]
+    pub fn intersect(
         &self,
-        segment: &Segment<f32>,
         ray: &Ray<f32>,
         solver: Solver,
-    ) -> Hit<f32> {
-        self.intersect_single_at(Level::new(), segment, ray, solver)
+        normal: bool,
+    ) -> (Hit<f32>, Vector<f32>) {
+        self.intersect_at(Level::new(), ray, solver, normal)
     }
 
     /// The same with the instructions of one level.
-    pub(super) fn intersect_single_at(
+    #[inline(always)]
+    pub(super) fn intersect_at(
         &self,
         level: Level,
-        segment: &Segment<f32>,
         ray: &Ray<f32>,
         solver: Solver,
-    ) -> Hit<f32> {
-        dispatch!(level, simd => {
+        normal: bool,
+    ) -> (Hit<f32>, Vector<f32>) {
+        let mut found = (Hit::none(0.0), vector(0.0, 0.0, 0.0));
+        let interval = self.clip(ray, true);
+        if !interval.is_empty() {
+            dispatch!(level, simd => found = single(simd, self, &interval, ray, solver, normal));
+        }
+        found
+    }
+}
+
+/// One ray in all lanes of a quad.
+#[inline(always)]
+fn single<S: Simd>(
+    simd: S,
+    outline: &Outline<'_, f32>,
+    interval: &Interval<f32>,
+    ray: &Ray<f32>,
+    solver: Solver,
+    normal: bool,
+) -> (Hit<f32>, Vector<f32>) {
+    let patch = outline.surface();
+    let like = Quad(f32x4::splat(simd, 0.0));
+    let hit = patch.intersect_by(
+        &interval.in_lanes(like),
+        &ray.in_lanes(like),
+        solver,
+        #[inline(always)]
+        |segment: Segment<Quad<S>>| {
+            let numbers = segment.numbers().map(
+                #[inline(always)]
+                |number| number.0[0],
+            );
+            search(simd, &patch, Segment::from_numbers(numbers, true), solver).in_lanes(like)
+        },
+    );
+    let normal = if normal && hit.found.any() {
+        let Vector { x, y, z } = patch.normal_at(hit.u, hit.v);
+        vector(x.0[0], y.0[0], z.0[0])
+    } else {
+        vector(0.0, 0.0, 0.0)
+    };
+    let hit = Hit {
+        found: hit.found.any(),
+        t: hit.t.0[0],
+        u: hit.u.0[0],
+        v: hit.v.0[0],
+        // Every lane counts.
+        evaluations: hit.evaluations / 4,
+    };
+    (hit, normal)
+}
+
+/// [`Patch::searched`] of one ray, which samples F at all parts' ends at once, one a lane.
+fn search<S: Simd>(simd: S, patch: &Patch<f32>, segment: Segment<f32>, solver: Solver) -> Hit<f32> {
+    simd.vectorize(
+        #[inline(always)]
+        || {
             let sampler = inlined(
                 #[inline(always)]
-                |segment: &Segment<f32>, steps| Some(sample(simd, self, segment, steps)),
+                |segment: &Segment<f32>, steps| Some(sample(simd, patch, segment, steps)),
             );
-            self.intersect_sampled(segment, ray, solver, sampler)
-        })
+            patch.searched(segment, solver, &sampler)
+        },
+    )
+}
+
+/// [`Patch::searched`] of the lanes that are alive, one by one: there are few.
+#[inline(always)]
+fn search_lanes<S: Simd>(
+    simd: S,
+    patch: &Patch<f32>,
+    segment: &Segment<Lanes<S>>,
+    solver: Solver,
+) -> Hit<Lanes<S>> {
+    let mut columns = [[0.0; MAX_LANES]; SEGMENT_NUMBERS];
+    for (column, number) in columns.iter_mut().zip(segment.numbers()) {
+        store(number, column, 0);
+    }
+    let (mut found, mut evaluations) = (0, 0);
+    let mut hits = [[0.0; MAX_LANES]; 3];
+    let mut left = segment.alive.0.to_bitmask();
+    while left != 0 {
+        let lane = left.trailing_zeros() as usize;
+        left &= left - 1;
+        let alone = Segment::from_numbers(columns.each_ref().map(|column| column[lane]), true);
+        let hit = search(simd, patch, alone, solver);
+        evaluations += hit.evaluations;
+        found |= u64::from(hit.found) << lane;
+        for (column, value) in hits.iter_mut().zip([hit.t, hit.u, hit.v]) {
+            column[lane] = value;
+        }
+    }
+    let [t, u, v] = hits.each_ref().map(
+        #[inline(always)]
+        |column| load(simd, column, 0),
+    );
+    Hit {
+        found: LaneMask(S::mask32s::from_bitmask(simd, found)),
+        t,
+        u,
+        v,
+        evaluations,
     }
 }
 
@@ -187,12 +286,24 @@ fn trace<S: Simd>(
     for first in (0..rays.tnear.len()).step_by(S::f32s::LEN) {
         let valid = S::mask32s::from_bitmask(simd, u64::from(asked.valid >> first));
         let ray = load_ray(simd, rays, first);
-        let segment = outline.clip(&ray, LaneMask(valid));
-        if segment.is_empty() {
+        let interval = outline.clip(&ray, LaneMask(valid));
+        if interval.is_empty() {
             continue;
         }
-        let patch = patch.get_or_insert_with(|| outline.complete());
-        let hit = patch.intersect_within(&segment, &ray, asked.solver);
+        let patch = &*patch.get_or_insert_with(
+            #[inline(always)]
+            || outline.surface(),
+        );
+        let hit = match asked.solver {
+            Solver::Ita { .. } => patch.intersect_within(&interval, &ray, asked.solver),
+            Solver::Finish { .. } => patch.intersect_by(
+                &interval,
+                &ray,
+                asked.solver,
+                #[inline(always)]
+                |segment| search_lanes(simd, patch, &segment, asked.solver),
+            ),
+        };
         hits.evaluations += hit.evaluations;
         let found = hit.found.0.to_bitmask() as u32;
         if found == 0 {

@@ -114,9 +114,8 @@ fn check(corners: &Corners, rays: &[Ray<f32>], valid: u32, solver: Solver) -> [u
                 continue;
             }
             let single = patch.intersect(ray, solver);
-            evaluations += single.evaluations;
-            let segment = patch.clip(ray, true);
-            let sampled = patch.intersect_single_at(level, &segment, ray, solver);
+            let (sampled, ng) = outline.intersect_at(level, ray, solver, true);
+            evaluations += sampled.evaluations;
             let answer = |hit: &Hit<f32>| {
                 let place = [hit.t, hit.u, hit.v].map(f32::to_bits);
                 hit.found.then_some(place)
@@ -130,7 +129,7 @@ fn check(corners: &Corners, rays: &[Ray<f32>], valid: u32, solver: Solver) -> [u
             assert_eq!(found, single.found, "{what}");
             count[usize::from(!found)] += 1;
             if found {
-                let ng = patch.normal_at(single.u, single.v);
+                assert_eq!(ng, patch.normal_at(single.u, single.v));
                 let lane_of = |of: &[f32; 16]| of[lane].to_bits();
                 let bits = |v: f32| v.to_bits();
                 assert_eq!(lane_of(&hits.t), bits(single.t), "t: {what}");

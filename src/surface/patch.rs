@@ -6,23 +6,20 @@
 
 use super::bounds::{self, HeightNet};
 use super::correction;
+use super::crossing;
 use super::flags::{BoundsKind, PatchFlags, Surface};
+use super::frame::{Frame, SLIVER_AREA};
+use super::hull::Hull;
 use super::outline::Outline;
-use super::real::{Real, Scalar, three};
+use super::real::{Real, Scalar, each, three};
 use super::record::PatchRecord;
+use super::sides::{Plane, Side, sides};
 use super::sphere::Sphere;
 use super::vector::{Vector, vector};
 
 /// Below this cosine between a vertex normal and the triangle's plane normal the method does not
 /// take the triangle.
 const MIN_NORMAL_COSINE: f64 = 0.1;
-/// Twice the area over the squared size, below which there is no plane to speak of ...
-const DEGENERATE_AREA: f64 = 1e-12;
-/// ... and below which its normal is too uncertain in `f32` to build a curved surface on.
-const SLIVER_AREA: f64 = 1e-4;
-/// The centroid's foot on a side must lie this far inside it, as a share of the side's length, for
-/// the paper's planes to bound a sub-triangle; else the side takes the ramp of obtuse triangles.
-const MIN_CENTROID_FOOT: f64 = 0.1;
 
 /// Why a triangle stays flat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -69,35 +66,6 @@ impl Rule {
     }
 }
 
-/// What a patch knows of a side, in the side's frame: x along the side from its first vertex, y
-/// along the inward in-plane perpendicular.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Side<S> {
-    /// Squared length.
-    pub length2: S,
-    /// Height of the opposite vertex over the side.
-    pub height: S,
-    /// Foot of the opposite vertex, as a share of the side's length.
-    pub foot: S,
-    /// The guide on the side is `nc + lean w`: the paper's side plane (5).
-    pub lean: S,
-    /// `lean / height`.
-    pub tilt: S,
-    /// One over three times the centroid's foot as a share of the length, from either end.
-    pub rise: [S; 2],
-    /// Whether the ramp of obtuse triangles takes the place of the paper's planes.
-    pub obtuse: bool,
-    /// `2 n.(other - own)` at the side's two ends: reference curvature times squared length.
-    pub bend: [S; 2],
-    /// Four times the damping of this side.
-    pub damping: S,
-    /// Coefficients of the correction's slope, a quadratic along the side.
-    pub correction: [S; 3],
-    /// Whether the other side at either end is straight, though the vertex's normal leans along
-    /// it: there the surface cannot keep the vertex's tangent plane, and the slope does not vanish.
-    pub loose: [bool; 2],
-}
-
 /// What a patch knows of a vertex.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex<S> {
@@ -117,6 +85,8 @@ pub(super) struct Vertex<S> {
 /// `S` is `f32` or `f64`; the `f64` patch of the same vertices is the oracle for the `f32` one.
 #[derive(Clone, Copy, Debug)]
 pub struct Patch<S> {
+    /// What rays are clipped to.
+    pub(super) hull: Hull<S>,
     pub(super) origin: Vector<S>,
     pub(super) size: S,
     /// First to second and first to third vertex.
@@ -138,12 +108,14 @@ pub struct Patch<S> {
     pub(super) area2: S,
     /// Least and greatest height of the surface over its plane.
     pub(super) slab: [S; 2],
-    /// What rays are clipped to in the slab's place, and what the box is of, where it was asked for.
-    pub(super) sphere: Option<Sphere<S>>,
     pub(super) rule: Rule,
     pub(super) any_obtuse: bool,
     pub(super) any_loose: bool,
     pub(super) kind: PatchKind,
+    /// How steep the surface is, as it is [kept](crossing::steepness).
+    pub(super) steepness: u8,
+    /// The squared sine of the angle to the plane from which on a ray is steeper than the surface.
+    pub(super) steep: S,
 }
 
 /// The vertex, or the side, after this one.
@@ -158,24 +130,32 @@ impl<S: Scalar> Patch<S> {
     /// any units; the patch's own rays and points are in the same ones. What the method cannot
     /// take becomes flat or degenerate; see [`Patch::kind`].
     pub fn new(positions: [Vector<S>; 3], normals: [Vector<S>; 3], flags: PatchFlags) -> Self {
-        let mut patch = Self::framed(positions, normals, flags);
-        if let PatchKind::Flat(reason) = patch.kind {
-            patch.flatten(reason);
-        }
-        if patch.rule == Rule::Flat {
-            return patch;
-        }
-        let net = match patch.curve(flags) {
-            Ok(net) => net,
-            Err(reason) => {
-                patch.flatten(reason);
-                return patch;
-            }
+        let Some(frame) = Frame::new(&positions, &normals) else {
+            return Self::empty(positions[0]);
         };
-        patch.slab = net.slab();
-        if flags.bounds() == BoundsKind::Sphere {
-            patch.sphere = Some(Sphere::around(&patch, &net));
+        let mut patch = Self::laid(&frame, &normals, flags);
+        patch.kind = patch.classify(normals, flags);
+        patch.set_angles();
+        let curved = match patch.kind {
+            PatchKind::Flat(reason) => Err(reason),
+            _ => patch.curve(flags),
+        };
+        let mut sphere = None;
+        match curved {
+            Ok(net) => {
+                if flags.bounds() == BoundsKind::Sphere {
+                    sphere = Some(Sphere::around(&frame, &patch, &net));
+                }
+                patch.slab = net.slab();
+                patch.set_steepness(if flags.is_unchecked() {
+                    u8::MAX
+                } else {
+                    crossing::steepness(&patch)
+                });
+            }
+            Err(reason) => patch.flatten(reason),
         }
+        patch.hull = Hull::new(&frame, &normals, patch.curved_slab(), sphere);
         patch
     }
 
@@ -212,74 +192,65 @@ impl<S: Scalar> Patch<S> {
     /// The sphere that bounds the patch, if it was [asked](PatchFlags::with_bounds) for and the patch is
     /// not flat.
     pub fn sphere(&self) -> Option<&Sphere<S>> {
-        self.sphere.as_ref()
+        self.hull.sphere.as_ref()
     }
 
-    /// Everything that follows from the vertices without looking at the surface.
-    fn framed(positions: [Vector<S>; 3], normals: [Vector<S>; 3], flags: PatchFlags) -> Self {
-        let mut patch = Self::empty(positions[0]);
-        let Some(edges) = patch.lay_out(positions, normals) else {
-            return patch;
+    /// The patch of a triangle, without the correction, the slab and the steepness.
+    #[inline(always)]
+    pub(super) fn laid(frame: &Frame<S>, normals: &[Vector<S>; 3], flags: PatchFlags) -> Self {
+        let zero = S::from_f64(0.0);
+        let plane = Plane::new(frame);
+        let sides = sides(frame, &plane, normals, flags);
+        let vertices = three(
+            #[inline(always)]
+            |i| Vertex {
+                normal: normals[i].dot(plane.normal),
+                inward: three(
+                    #[inline(always)]
+                    |k| normals[i].dot(plane.inward[k]),
+                ),
+                between: -frame.edges[i].dot(frame.edges[next(next(i))]),
+                inverse_angle: zero,
+            },
+        );
+        let mut patch = Self {
+            hull: Hull::empty(frame.origin),
+            origin: frame.origin,
+            size: frame.size,
+            spokes: [frame.edges[0], -frame.edges[2]],
+            normal: plane.normal,
+            winding: frame.winding,
+            gradients: plane.gradients,
+            any_obtuse: sides[0].obtuse | sides[1].obtuse | sides[2].obtuse,
+            any_loose: (0..3).any(|k| flags.is_straight(k)),
+            sides,
+            vertices,
+            base: frame.longest,
+            along_base: frame.edges[frame.longest] * plane.per_length2[frame.longest],
+            area2: frame.area2,
+            slab: [zero; 2],
+            rule: Rule::of(flags.surface()),
+            kind: PatchKind::Curved,
+            steepness: u8::MAX,
+            steep: crossing::steep(u8::MAX),
         };
-        patch.kind = patch.classify(normals, flags);
-        patch.rule = Rule::of(flags.surface());
-        patch.lay_surface(edges, normals, flags);
-        patch.set_angles();
+        each(
+            #[inline(always)]
+            |k| {
+                // Over twice the normals' mean cosine, near enough for a guess.
+                let upright = patch.vertices[k].normal + patch.vertices[next(k)].normal;
+                let quarter = S::from_f64(0.25);
+                patch.sides[k].bulge = patch.mean_bend(k) * (upright * quarter - S::from_f64(1.0));
+            },
+        );
         patch
     }
 
-    /// Sets the plane and the side planes, all that a ray is clipped to but for the slab; gives the
-    /// edges, or nothing where there is no area.
+    /// Sets how steep the surface is.
     #[inline(always)]
-    pub(super) fn lay_out(
-        &mut self,
-        positions: [Vector<S>; 3],
-        normals: [Vector<S>; 3],
-    ) -> Option<[Vector<S>; 3]> {
-        let spokes = [positions[1] - positions[0], positions[2] - positions[0]];
-        let opposite = positions[2] - positions[1];
-        let extent = spokes[0]
-            .max_abs()
-            .greater(spokes[1].max_abs())
-            .greater(opposite.max_abs());
-        let tiny = S::from_f64(1e-30);
-        if !(tiny.less(extent) && extent < S::HUGE && positions[0].is_finite()) {
-            return None;
-        }
-        self.size = extent.power_of_two();
-        let unit = S::from_f64(1.0) / self.size;
-        self.spokes = [spokes[0] * unit, spokes[1] * unit];
-        // Every side by direct subtraction of its ends, never as a sum of other sides.
-        let edges = [
-            self.spokes[0],
-            opposite * unit,
-            (positions[0] - positions[2]) * unit,
-        ];
-        if !self.lay_plane(positions, edges, normals) {
-            return None;
-        }
-        for k in 0..3 {
-            self.lay_side(k, edges[k], normals);
-        }
-        Some(edges)
-    }
-
-    /// Sets what the surface itself follows from.
-    #[inline(always)]
-    pub(super) fn lay_surface(
-        &mut self,
-        edges: [Vector<S>; 3],
-        normals: [Vector<S>; 3],
-        flags: PatchFlags,
-    ) {
-        for k in 0..3 {
-            self.bend_side(k, edges[k], normals, flags);
-        }
-        for i in 0..3 {
-            self.vertices[i] = self.vertex(i, edges, normals[i]);
-        }
-        self.any_obtuse = self.sides.iter().any(|side| side.obtuse);
-        self.any_loose = self.sides.iter().any(|side| side.loose.contains(&true));
+    pub(super) fn set_steepness(&mut self, steepness: u8) {
+        self.steepness = steepness;
+        self.steep = crossing::steep(steepness);
     }
 
     /// Sets the angles at the vertices, which only the angular rule asks for.
@@ -297,12 +268,14 @@ impl<S: Scalar> Patch<S> {
         let side = Side {
             length2: zero,
             height: zero,
+            per_height: zero,
             foot: zero,
             lean: zero,
             tilt: zero,
             rise: [zero; 2],
             obtuse: false,
             bend: [zero; 2],
+            bulge: zero,
             damping: zero,
             correction: [zero; 3],
             loose: [false; 2],
@@ -314,6 +287,7 @@ impl<S: Scalar> Patch<S> {
             inverse_angle: zero,
         };
         Self {
+            hull: Hull::empty(origin),
             origin,
             size: S::from_f64(1.0),
             spokes: [none; 2],
@@ -326,63 +300,13 @@ impl<S: Scalar> Patch<S> {
             along_base: none,
             area2: zero,
             slab: [zero; 2],
-            sphere: None,
             rule: Rule::Flat,
             any_obtuse: false,
             any_loose: false,
             kind: PatchKind::Degenerate,
+            steepness: u8::MAX,
+            steep: crossing::steep(u8::MAX),
         }
-    }
-
-    /// Sets the plane's normal, area and gradients; false where there is no area.
-    #[inline(always)]
-    fn lay_plane(
-        &mut self,
-        positions: [Vector<S>; 3],
-        edges: [Vector<S>; 3],
-        normals: [Vector<S>; 3],
-    ) -> bool {
-        // The two shortest sides give the most certain vector product.
-        let lengths = three(|k| edges[k].dot(edges[k]));
-        let longest = (0..3).fold(
-            0,
-            |best, k| if lengths[best] < lengths[k] { k } else { best },
-        );
-        self.base = longest;
-        self.along_base = edges[longest] * (S::from_f64(1.0) / lengths[longest]);
-        let cross = edges[next(longest)].cross(edges[next(next(longest))]);
-        self.area2 = cross.length();
-        let mut geometric = cross * (S::from_f64(1.0) / self.area2);
-        if !(S::from_f64(SLIVER_AREA) < self.area2) {
-            match self.thin_plane(positions) {
-                Some(precise) => geometric = precise,
-                None => return false,
-            }
-        }
-        let agreement = geometric.dot(normals[0] + normals[1] + normals[2]);
-        self.winding = S::from_f64(if agreement < S::from_f64(0.0) {
-            -1.0
-        } else {
-            1.0
-        });
-        self.normal = geometric * self.winding;
-        for k in 0..3 {
-            let inward = geometric.cross(edges[k]);
-            self.gradients[next(next(k))] = inward * (S::from_f64(1.0) / self.area2);
-        }
-        true
-    }
-
-    /// Sets the area and gives the normal of a thin triangle, whose vector product would drown in
-    /// rounding. Its plane has to be right all the same: rays may meet it at a grazing angle.
-    #[inline(never)]
-    fn thin_plane(&mut self, positions: [Vector<S>; 3]) -> Option<Vector<S>> {
-        let unit = 1.0 / self.size.to_f64();
-        let [a, b, c] = positions.map(Vector::to_f64);
-        let cross = ((b - a) * unit).cross((c - a) * unit);
-        let area2 = cross.length();
-        self.area2 = S::from_f64(area2);
-        (DEGENERATE_AREA < area2).then(|| Vector::from_f64(cross * (1.0 / area2)))
     }
 
     /// Whether the method may try this triangle.
@@ -400,74 +324,6 @@ impl<S: Scalar> Patch<S> {
             PatchKind::Flat(FlatReason::BackNormal)
         } else {
             PatchKind::Curved
-        }
-    }
-
-    /// Sets a side's frame and its plane.
-    #[inline(always)]
-    fn lay_side(&mut self, k: usize, edge: Vector<S>, normals: [Vector<S>; 3]) {
-        let length2 = edge.dot(edge);
-        let length = length2.sqrt();
-        let height = self.area2 / length;
-        let inward = self.gradients[next(next(k))] * height;
-        let sum = normals[k] + normals[next(k)];
-        let lean = sum.dot(inward) / sum.dot(self.normal);
-        // Where the opposite vertex stands over the side: from the spoke out of the first vertex.
-        let to_opposite = match k {
-            0 => self.spokes[1],
-            1 => -self.spokes[0],
-            _ => self.spokes[0] - self.spokes[1],
-        };
-        let side = &mut self.sides[k];
-        side.length2 = length2;
-        side.height = height;
-        side.foot = to_opposite.dot(edge) / length2;
-        side.lean = lean;
-        side.tilt = lean / height;
-    }
-
-    /// Sets how the guides turn and how the surface bends along a side.
-    #[inline(always)]
-    fn bend_side(&mut self, k: usize, edge: Vector<S>, normals: [Vector<S>; 3], flags: PatchFlags) {
-        let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
-        let (first, second) = (normals[k], normals[next(k)]);
-        let (length, foot) = (self.sides[k].length2.sqrt(), self.sides[k].foot);
-        let sum = first + second;
-        let centroid = (one + foot) * S::from_f64(1.0 / 3.0);
-        let margin = S::from_f64(MIN_CENTROID_FOOT);
-        let obtuse = !(margin < centroid && centroid < one - margin);
-        let third = S::from_f64(1.0 / 3.0);
-        let rise = if obtuse {
-            [one; 2]
-        } else {
-            [third / centroid, third / (one - centroid)]
-        };
-        let straight = flags.is_straight(k);
-        let two = S::from_f64(2.0);
-        let bend = [first.dot(edge) * two, -(second.dot(edge) * two)];
-        let damped = flags.surface() == Surface::Smooth && !straight;
-        let damping = (sum.dot(edge).abs() / length).lesser(S::from_f64(0.9));
-        let side = &mut self.sides[k];
-        side.rise = rise;
-        side.obtuse = obtuse;
-        side.bend = if straight { [zero; 2] } else { bend };
-        side.damping = if damped {
-            damping * S::from_f64(4.0)
-        } else {
-            zero
-        };
-        side.loose = [next(next(k)), next(k)].map(|other| !straight && flags.is_straight(other));
-    }
-
-    #[inline(always)]
-    fn vertex(&self, i: usize, edges: [Vector<S>; 3], normal: Vector<S>) -> Vertex<S> {
-        let inward = three(|k| normal.dot(self.gradients[next(next(k))]) * self.sides[k].height);
-        let between = -edges[i].dot(edges[next(next(i))]);
-        Vertex {
-            normal: normal.dot(self.normal),
-            inward,
-            between,
-            inverse_angle: S::from_f64(0.0),
         }
     }
 
@@ -496,6 +352,11 @@ impl<S: Scalar> Patch<S> {
             self.round_correction();
         }
         Ok(HeightNet::new(self, &spread))
+    }
+
+    /// The slab of heights, unless the patch is plane.
+    pub(super) fn curved_slab(&self) -> Option<[S; 2]> {
+        (self.rule != Rule::Flat).then_some(self.slab)
     }
 
     /// Makes the surface the plane triangle itself.

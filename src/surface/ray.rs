@@ -1,6 +1,8 @@
 //! A ray against one patch: the interval in which it can meet the surface, and the function whose
 //! root is the hit.
 
+use super::frame::THIN;
+use super::hull::{Interval, max_abs};
 use super::patch::{Patch, Rule, next};
 use super::real::{Mask, Real, Scalar, inlined, three};
 use super::vector::Vector;
@@ -32,39 +34,33 @@ pub struct Segment<V: Real> {
     /// size: what rounding of the ray comes to.
     pub(super) stray_room: V,
     /// Length of the direction in units of the patch's size.
-    speed: V,
+    pub(super) speed: V,
     /// Barycentric coordinates of the vertical projection at the start, and their rates.
-    b: [V; 3],
-    b_rate: [V; 3],
+    pub(super) b: [V; 3],
+    pub(super) b_rate: [V; 3],
     /// Height over the plane at the start, and its rate.
-    z: V,
-    z_rate: V,
+    pub(super) z: V,
+    pub(super) z_rate: V,
 }
 
-/// How far beyond its sides a patch is still searched, in barycentric coordinates, before the
-/// ray's own rounding: a guard, so that no ray slips between neighbours.
-pub(super) const OVERLAP_EPSILONS: f64 = 256.0;
 /// How far beside a guide a hit may lie before the ray's own rounding.
 const STRAY_EPSILONS: f64 = 64.0;
 /// The steepest that F is expected to be along a ray, for a unit of its way.
 const STEEPEST: f64 = 8.0;
 /// What a ray from one unit away moves by rounding, in units of epsilon.
 pub(super) const RAY_EPSILONS: f64 = 4.0;
-/// A flat triangle lower than this, in units of its size, is thin: the guard's share of its height
-/// does not make up for rounding of the triangle itself, nor for how far along its plane a ray at a
-/// grazing angle is moved by its own.
-const THIN: f64 = 1.0 / 32.0;
-/// The least sine of a grazing angle that is made up for.
-const LEAST_SINE: f64 = 1e-3;
 
-/// How far beyond side `k` a ray from this distance, in units of the patch's size, still counts.
-///
-/// Rounding moves a ray by some epsilons of the way from its origin to the patch, and by different
-/// ones for two neighbours.
-#[inline(always)]
-fn guard<S: Scalar, V: Real<Scalar = S>>(patch: &Patch<S>, k: usize, distance: V) -> V {
-    let ulps = S::EPSILON * S::from_f64(RAY_EPSILONS) / patch.sides[k].height;
-    distance * distance.splat(ulps) + distance.splat(S::EPSILON * S::from_f64(OVERLAP_EPSILONS))
+impl<S: Scalar> Ray<S> {
+    /// The same ray in all lanes of a value like this one.
+    #[inline(always)]
+    pub(super) fn in_lanes<V: Real<Scalar = S>>(&self, like: V) -> Ray<V> {
+        Ray {
+            origin: Vector::splat(like, self.origin),
+            direction: Vector::splat(like, self.direction),
+            tnear: like.splat(self.tnear),
+            tfar: like.splat(self.tfar),
+        }
+    }
 }
 
 /// Whether a patch is a flat triangle so thin that rounding along its plane matters.
@@ -73,9 +69,19 @@ pub(super) fn is_thin<S: Scalar>(patch: &Patch<S>) -> bool {
     patch.rule == Rule::Flat && patch.sides[patch.base].height < S::from_f64(THIN)
 }
 
-#[inline(always)]
-pub(super) fn max_abs<V: Real>(v: Vector<V>) -> V {
-    v.x.abs().greater(v.y.abs()).greater(v.z.abs())
+/// How many numbers a segment is made of.
+pub(super) const SEGMENT_NUMBERS: usize = 12;
+
+/// How far beyond a root the search for the next one begins, in units of the patch's size.
+const BEYOND: f64 = 1e-5;
+
+/// The least parameter at which to look for the root after the one at `t`, on a patch at `origin` of
+/// this size.
+pub(super) fn beyond<S: Scalar>(origin: Vector<S>, size: S, ray: &Ray<S>, t: S) -> S {
+    let way = ray.direction.length();
+    let distance = (ray.origin - origin).length();
+    let step = size * S::from_f64(BEYOND) + distance * S::EPSILON * S::from_f64(8.0);
+    t + (step / way).greater(t.abs() * S::EPSILON * S::from_f64(2.0))
 }
 
 impl<V: Real> Segment<V> {
@@ -85,39 +91,24 @@ impl<V: Real> Segment<V> {
         !self.alive.any()
     }
 
-    /// The part of the ray between the three side planes (5) and within the slab of heights, or in the
-    /// paper's form within the sphere of greatest curvature (3); none in lanes that are not valid.
+    /// The part of the ray within an interval. It begins anew at the entry: the steps along the ray are
+    /// then small against its position.
     #[inline(always)]
-    pub(super) fn clip<S: Scalar>(patch: &Patch<S>, ray: &Ray<V>, valid: V::Mask) -> Self
+    pub(super) fn new<S: Scalar>(patch: &Patch<S>, ray: &Ray<V>, interval: &Interval<V>) -> Self
     where
         V: Real<Scalar = S>,
     {
-        let unit = ray.tnear.splat(S::from_f64(1.0) / patch.size);
-        let from = (ray.origin - Vector::splat(ray.tnear, patch.origin)) * unit;
-        let along = ray.direction * unit;
-        // Not cut at the ray's end, which is the nearest hit so far: the root must not depend on the
-        // order in which patches are come by.
-        let end = ray.tfar.constant(f64::INFINITY);
-        let mut segment = Self::unclipped(patch, from, along, ray.tnear, end);
+        let [from, along] = patch.localize(ray);
         let distance = max_abs(from);
-        segment.clip_to(patch, distance, valid);
-        if let Some(sphere) = &patch.sphere {
-            segment.keep_within(sphere.chord(from, along, distance));
-        }
-        segment.alive = segment.alive & segment.start.at_most(ray.tfar);
-        if segment.is_empty() {
-            return segment;
-        }
-        // Begin anew at the entry: the steps along the ray are then small against its position.
-        let entry = V::select(segment.alive, segment.start, ray.tnear);
+        let alive = interval.alive;
+        let entry = V::select(alive, interval.start, ray.tnear);
         let local = Self::unclipped(patch, from + along * entry, along, entry, ray.tfar);
-        let like = distance;
-        let epsilons = like.splat(S::EPSILON * S::from_f64(RAY_EPSILONS));
-        let stray_room = distance * epsilons + like.splat(S::EPSILON * S::from_f64(STRAY_EPSILONS));
+        let epsilons = distance.splat(S::EPSILON * S::from_f64(RAY_EPSILONS));
+        let stray_room =
+            distance * epsilons + distance.splat(S::EPSILON * S::from_f64(STRAY_EPSILONS));
         Self {
-            start: entry,
-            length: segment.length,
-            alive: segment.alive,
+            length: interval.length,
+            alive,
             stray_room,
             ..local
         }
@@ -129,9 +120,8 @@ impl<V: Real> Segment<V> {
     where
         V: Real<Scalar = S>,
     {
-        let unit = ray.tnear.splat(S::from_f64(1.0) / patch.size);
-        let from = (ray.origin - Vector::splat(ray.tnear, patch.origin)) * unit;
-        Self::unclipped(patch, from, ray.direction * unit, ray.tnear, ray.tfar)
+        let [from, along] = patch.localize(ray);
+        Self::unclipped(patch, from, along, ray.tnear, ray.tfar)
     }
 
     #[inline(always)]
@@ -181,21 +171,6 @@ impl<V: Real> Segment<V> {
         }
     }
 
-    /// On a thin flat triangle, how much later a ray crosses the plane for a unit of height.
-    #[inline(always)]
-    fn grazing<S: Scalar>(&self, patch: &Patch<S>) -> Option<V>
-    where
-        V: Real<Scalar = S>,
-    {
-        is_thin(patch).then(
-            #[inline(always)]
-            || {
-                let least = self.speed * self.speed.constant(LEAST_SINE);
-                self.speed.constant(1.0) / self.z_rate.abs().greater(least)
-            },
-        )
-    }
-
     /// How much later than a point of the plane the ray passes another one nearest, which lies off
     /// the first by these barycentric coordinates of the second and third vertex; and how far
     /// beside it, in units of the patch's size.
@@ -212,69 +187,62 @@ impl<V: Real> Segment<V> {
         [later, (off - along * later).length()]
     }
 
-    /// Sets `start`, `length` and `alive`, all still in the ray's parameter from its origin.
-    #[inline(always)]
-    fn clip_to<S: Scalar>(&mut self, patch: &Patch<S>, distance: V, valid: V::Mask)
-    where
-        V: Real<Scalar = S>,
-    {
-        let (mut lo, mut hi) = (self.start, self.length);
-        let like = distance;
-        let mut alive = valid;
-        let mut keep = inlined(
-            #[inline(always)]
-            |value: V, rate: V| {
-                // Where value + rate t >= 0.
-                let zero = rate.constant(0.0);
-                let crossing = -(value / rate);
-                lo = V::select(zero.less(rate), crossing, lo).greater(lo);
-                hi = V::select(rate.less(zero), crossing, hi).lesser(hi);
-                let moves = zero.less(rate) | rate.less(zero);
-                alive = alive & (moves | zero.at_most(value));
-            },
-        );
-        let grazing = self.grazing(patch);
-        for (k, side) in patch.sides.iter().enumerate() {
-            let m = next(next(k));
-            let tilt = like.splat(side.tilt);
-            let mut guard = guard(patch, k, distance);
-            if let Some(inverse) = grazing {
-                let room = like.splat(S::EPSILON * S::from_f64(RAY_EPSILONS));
-                let ways =
-                    self.b_rate[m].abs() * inverse + like.splat(S::from_f64(1.0) / side.height);
-                guard = guard + (distance + like.constant(1.0)) * room * ways;
-            }
-            keep(
-                self.b[m] - tilt * self.z + guard,
-                self.b_rate[m] - tilt * self.z_rate,
-            );
-        }
-        // A flat triangle's slab has no thickness: there the crossing of its plane decides.
-        if patch.rule != Rule::Flat && patch.sphere.is_none() {
-            let room = like.splat(S::EPSILON * S::from_f64(RAY_EPSILONS)) * distance;
-            let [zmin, zmax] = [like.splat(patch.slab[0]), like.splat(patch.slab[1])];
-            keep(self.z - zmin + room, self.z_rate);
-            keep(zmax - self.z + room, -self.z_rate);
-        }
-        self.start = lo;
-        self.length = hi - lo;
-        self.alive = alive & lo.at_most(hi);
-    }
-
-    /// Cuts what lies outside an interval of the ray's parameter; all where there is none.
-    #[inline(always)]
-    fn keep_within(&mut self, (lo, hi, exists): (V, V, V::Mask)) {
-        let end = hi.lesser(self.start + self.length);
-        self.start = lo.greater(self.start);
-        self.length = end - self.start;
-        self.alive = self.alive & exists & self.start.at_most(end);
-    }
-
     /// The tolerance at which a root is as good as the precision allows, in the segment's parameter.
     #[inline(always)]
     pub(super) fn tolerance(&self) -> V {
         let epsilon = self.speed.splat(V::Scalar::EPSILON);
         epsilon / self.speed + epsilon * epsilon.constant(0.25) * self.start.abs()
+    }
+
+    /// All its numbers, for [`Segment::from_numbers`].
+    #[inline(always)]
+    pub(super) fn numbers(&self) -> [V; SEGMENT_NUMBERS] {
+        let ([b0, b1, b2], [r0, r1, r2]) = (self.b, self.b_rate);
+        let (start, length, room, speed) = (self.start, self.length, self.stray_room, self.speed);
+        [
+            start,
+            length,
+            room,
+            speed,
+            b0,
+            b1,
+            b2,
+            r0,
+            r1,
+            r2,
+            self.z,
+            self.z_rate,
+        ]
+    }
+
+    /// The segment of these numbers.
+    #[inline(always)]
+    pub(super) fn from_numbers(of: [V; SEGMENT_NUMBERS], alive: V::Mask) -> Self {
+        let [
+            start,
+            length,
+            stray_room,
+            speed,
+            b0,
+            b1,
+            b2,
+            r0,
+            r1,
+            r2,
+            z,
+            z_rate,
+        ] = of;
+        Self {
+            start,
+            length,
+            alive,
+            stray_room,
+            speed,
+            b: [b0, b1, b2],
+            b_rate: [r0, r1, r2],
+            z,
+            z_rate,
+        }
     }
 
     /// The segment of one ray in every lane of a value like this one, to be looked at in several
@@ -284,21 +252,11 @@ impl<V: Real> Segment<V> {
     where
         V: Scalar,
     {
-        let all = inlined(
+        let numbers = self.numbers().map(
             #[inline(always)]
-            |of: [V; 3]| [like.splat(of[0]), like.splat(of[1]), like.splat(of[2])],
+            |number| like.splat(number),
         );
-        Segment {
-            start: like.splat(self.start),
-            length: like.splat(self.length),
-            alive: like.mask(self.alive),
-            stray_room: like.splat(self.stray_room),
-            speed: like.splat(self.speed),
-            b: all(self.b),
-            b_rate: all(self.b_rate),
-            z: like.splat(self.z),
-            z_rate: like.splat(self.z_rate),
-        }
+        Segment::from_numbers(numbers, like.mask(self.alive))
     }
 
     /// What a steep surface may rise within a step of this width of the segment's parameter, in

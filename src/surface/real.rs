@@ -17,6 +17,14 @@ pub(super) fn three<T>(of: impl Fn(usize) -> T) -> [T; 3] {
     [of(0), of(1), of(2)]
 }
 
+/// Calls a function with 0, 1 and 2, like [`three`].
+#[inline(always)]
+pub(super) fn each(mut call: impl FnMut(usize)) {
+    call(0);
+    call(1);
+    call(2);
+}
+
 /// The closure itself: the language takes the mark that a closure is to be inlined, which those on
 /// lanes need, only where it is an argument.
 #[inline(always)]

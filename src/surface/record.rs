@@ -17,6 +17,8 @@ pub struct PatchRecord {
     correction: [[i16; 3]; 3],
     flags: PatchFlags,
     kind: u8,
+    /// How steep the surface is, as [`super::crossing`] keeps it.
+    pub(super) steepness: u8,
     exponent: i8,
     /// Of the sphere of greatest curvature, where that bounds the patch.
     pub(super) enlargement: Enlargement,
@@ -56,6 +58,16 @@ impl PatchRecord {
         KINDS[usize::from(self.kind)]
     }
 
+    /// Least and greatest height, unless the triangle is plane.
+    #[inline(always)]
+    pub(super) fn slab<S: Scalar>(&self) -> Option<[S; 2]> {
+        let curved = matches!(self.kind(), PatchKind::Curved | PatchKind::Fallback);
+        curved.then(|| {
+            let [least, most] = self.slab;
+            [S::from_f64(least.into()), S::from_f64(most.into())]
+        })
+    }
+
     /// The correction's coefficients, a side each.
     #[inline(always)]
     pub(super) fn correction<S: Scalar>(&self) -> [[S; 3]; 3] {
@@ -77,9 +89,10 @@ impl<S: Scalar> Patch<S> {
                 .map(|side| side.correction.map(|c| digits(c, exponent))),
             flags,
             kind: kind.expect("every kind is in the list") as u8,
+            steepness: self.steepness,
             exponent: exponent as i8,
             enlargement: self
-                .sphere
+                .sphere()
                 .map_or_else(Default::default, |s| s.enlargement()),
         }
     }

@@ -14,9 +14,11 @@
 //! A flat triangle has no sphere: its box is its vertices', and the crossing of its plane decides.
 
 use super::bounds::HeightNet;
+use super::frame::Frame;
+use super::hull::{OVERLAP_EPSILONS, max_abs};
 use super::patch::{Patch, next};
 use super::range::Range;
-use super::ray::{OVERLAP_EPSILONS, RAY_EPSILONS, max_abs};
+use super::ray::RAY_EPSILONS;
 use super::real::{Real, Scalar, three};
 use super::vector::{Vector, vector};
 
@@ -64,37 +66,40 @@ pub struct Sphere<S> {
 }
 
 impl<S: Scalar> Sphere<S> {
-    /// The sphere on the circumscribed circle, or the limited one; of a patch whose plane and sides
-    /// are set.
+    /// The sphere on the circumscribed circle, or the limited one.
     #[inline]
-    fn on_circle(patch: &Patch<S>) -> Self {
-        let i = patch.base;
-        let side = &patch.sides[i];
-        let corner = |k: usize| match k {
+    fn on_circle(frame: &Frame<S>) -> Self {
+        let i = frame.longest;
+        let (edge, length2) = (frame.edges[i], frame.lengths2[i]);
+        let length = length2.sqrt();
+        let corner = match i {
             0 => vector(S::from_f64(0.0), S::from_f64(0.0), S::from_f64(0.0)),
-            _ => patch.spokes[k - 1],
+            1 => frame.edges[0],
+            _ => -frame.edges[2],
         };
         let half = S::from_f64(0.5);
-        let middle = (corner(i) + corner(next(i))) * half;
-        let inward = patch.gradients[next(next(i))] * side.height;
+        let middle = corner + edge * half;
+        let inward = frame.cross.cross(edge) * (S::from_f64(1.0) / (frame.area2 * length));
+        let height = frame.area2 / length;
+        let foot = -frame.edges[next(next(i))].dot(edge) / length2;
         // How far the centre lies inward of the middle: as far from the opposite vertex as from the
         // side's ends.
-        let beside = side.length2 * side.foot * (S::from_f64(1.0) - side.foot);
-        let offset = (side.height - beside / side.height) * half;
-        let limit = side.length2.sqrt() * S::from_f64(-MAX_CENTRE);
+        let beside = length2 * foot * (S::from_f64(1.0) - foot);
+        let offset = (height - beside / height) * half;
+        let limit = length * S::from_f64(-MAX_CENTRE);
         let limited = !(limit <= offset);
         let offset = if limited { limit } else { offset };
         Self {
             centre: middle + inward * offset,
-            radius: (offset * offset + side.length2 * S::from_f64(0.25)).sqrt(),
+            radius: (offset * offset + length2 * S::from_f64(0.25)).sqrt(),
             enlargement: Enlargement::default(),
             limited,
         }
     }
 
     /// The same, enlarged until it holds the surface whose heights are these.
-    pub(super) fn around(patch: &Patch<S>, net: &HeightNet<S>) -> Self {
-        let sphere = Self::on_circle(patch);
+    pub(super) fn around(frame: &Frame<S>, patch: &Patch<S>, net: &HeightNet<S>) -> Self {
+        let sphere = Self::on_circle(frame);
         let furthest = sphere.furthest(patch, net);
         let ratio = furthest.to_f64() / sphere.radius.to_f64();
         sphere.enlarged(Enlargement::at_least(ratio))
@@ -102,8 +107,8 @@ impl<S: Scalar> Sphere<S> {
 
     /// The sphere again, from what is [kept](Self::enlargement) of it.
     #[inline]
-    pub(super) fn of_record(patch: &Patch<S>, enlargement: Enlargement) -> Self {
-        Self::on_circle(patch).enlarged(enlargement)
+    pub(super) fn of_record(frame: &Frame<S>, enlargement: Enlargement) -> Self {
+        Self::on_circle(frame).enlarged(enlargement)
     }
 
     #[inline]

@@ -231,7 +231,7 @@ fn normals_at_the_vertices_are_the_given_ones() {
 /// Where a ray first meets a patch, by sampling it densely.
 fn dense_first_root(patch: &Patch<f64>, ray: &Ray<f64>) -> Option<f64> {
     const PARTS: usize = 2000;
-    let segment = patch.clip(ray, true);
+    let segment = Segment::new(patch, ray, &patch.clip(ray, true));
     let f = |at: f64| {
         let z = segment.z(at);
         z - patch.height(&patch.foot_under(segment.projection(at), z))

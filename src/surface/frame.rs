@@ -1,0 +1,107 @@
+//! A triangle's edges and plane, before anything of its surface: what the clip and the patch share.
+
+use super::patch::next;
+use super::real::{Scalar, three};
+use super::vector::Vector;
+
+/// Twice the area over the squared size, below which there is no plane to speak of ...
+const DEGENERATE_AREA: f64 = 1e-12;
+/// ... and below which the plane's normal is too uncertain in `f32` to build a curved surface on.
+pub(super) const SLIVER_AREA: f64 = 1e-4;
+/// A flat triangle lower than this, in units of its size, is thin: the guard's share of its height
+/// does not make up for rounding of the triangle itself, nor for how far along its plane a ray at a
+/// grazing angle is moved by its own.
+pub(super) const THIN: f64 = 1.0 / 32.0;
+
+/// A triangle in units of its size, with the first vertex as the origin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame<S> {
+    pub origin: Vector<S>,
+    /// A power of two, at most the longest side.
+    pub size: S,
+    /// Every side by direct subtraction of its ends, never as a sum of other sides.
+    pub edges: [Vector<S>; 3],
+    /// The edges' squared lengths.
+    pub lengths2: [S; 3],
+    /// The longest side.
+    pub longest: usize,
+    /// Along the normal of the vertices' counterclockwise order, twice the area long.
+    pub cross: Vector<S>,
+    /// Twice the area.
+    pub area2: S,
+    /// +1 where the vertex normals agree with `cross`, else -1.
+    pub winding: S,
+}
+
+impl<S: Scalar> Frame<S> {
+    /// The frame, unless there is no area or something is not finite.
+    #[inline(always)]
+    pub fn new(positions: &[Vector<S>; 3], normals: &[Vector<S>; 3]) -> Option<Self> {
+        let edges = [
+            positions[1] - positions[0],
+            positions[2] - positions[1],
+            positions[0] - positions[2],
+        ];
+        let extent = edges[0]
+            .max_abs()
+            .greater(edges[1].max_abs())
+            .greater(edges[2].max_abs());
+        let tiny = S::from_f64(1e-30);
+        if !(tiny.less(extent) && extent < S::HUGE && positions[0].is_finite()) {
+            return None;
+        }
+        let one = S::from_f64(1.0);
+        let size = extent.power_of_two();
+        let unit = one / size;
+        let edges = three(
+            #[inline(always)]
+            |k| edges[k] * unit,
+        );
+        let lengths2 = three(
+            #[inline(always)]
+            |k| edges[k].dot(edges[k]),
+        );
+        let longer = usize::from(lengths2[0] < lengths2[1]);
+        let longest = if lengths2[longer] < lengths2[2] {
+            2
+        } else {
+            longer
+        };
+        // The two shortest sides give the most certain vector product.
+        let mut cross = edges[next(longest)].cross(edges[next(next(longest))]);
+        let mut area2 = cross.length();
+        if !(S::from_f64(SLIVER_AREA) < area2) {
+            (cross, area2) = thin_plane(positions, size)?;
+        }
+        let agreement = cross.dot(normals[0] + normals[1] + normals[2]);
+        let winding = S::select(agreement.less(S::from_f64(0.0)), -one, one);
+        Some(Self {
+            origin: positions[0],
+            size,
+            edges,
+            lengths2,
+            longest,
+            cross,
+            area2,
+            winding,
+        })
+    }
+
+    /// Whether the triangle, if flat, is so thin that rounding along its plane matters.
+    #[inline(always)]
+    pub fn is_thin(&self) -> bool {
+        self.area2 < self.lengths2[self.longest].sqrt() * S::from_f64(THIN)
+    }
+}
+
+/// The vector product of a thin triangle's sides and its length; in single precision it would drown in
+/// rounding. The plane has to be right all the same: rays may meet it at a grazing angle.
+#[cold]
+#[inline(never)]
+fn thin_plane<S: Scalar>(positions: &[Vector<S>; 3], size: S) -> Option<(Vector<S>, S)> {
+    let unit = 1.0 / size.to_f64();
+    let [a, b, c] = positions.map(Vector::to_f64);
+    let cross = ((b - a) * unit).cross((c - a) * unit);
+    let area2 = cross.length();
+    (DEGENERATE_AREA < area2).then(|| (Vector::from_f64(cross), S::from_f64(area2)))
+}

@@ -1,0 +1,206 @@
+//! What a patch knows of its plane and its sides, laid out from a triangle's frame: with as few
+//! divisions and roots as there can be, and three of a kind at once, since rays wait for it.
+
+use super::flags::{PatchFlags, Surface};
+use super::frame::Frame;
+use super::patch::next;
+use super::real::{Real, Scalar, inlined, three};
+use super::vector::Vector;
+
+/// The centroid's foot on a side must lie this far inside it, as a share of the side's length, for
+/// the paper's planes to bound a sub-triangle; else the side takes the ramp of obtuse triangles.
+const MIN_CENTROID_FOOT: f64 = 0.1;
+
+/// What a patch knows of a side, in the side's frame: x along the side from its first vertex, y
+/// along the inward in-plane perpendicular.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Side<S> {
+    /// Squared length.
+    pub length2: S,
+    /// Height of the opposite vertex over the side.
+    pub height: S,
+    /// One over the height.
+    pub per_height: S,
+    /// Foot of the opposite vertex, as a share of the side's length.
+    pub foot: S,
+    /// The guide on the side is `nc + lean w`: the paper's side plane (5).
+    pub lean: S,
+    /// `lean / height`.
+    pub tilt: S,
+    /// One over three times the centroid's foot as a share of the length, from either end.
+    pub rise: [S; 2],
+    /// Whether the ramp of obtuse triangles takes the place of the paper's planes.
+    pub obtuse: bool,
+    /// `2 n.(other - own)` at the side's two ends: reference curvature times squared length.
+    pub bend: [S; 2],
+    /// Height of the surface over the side's middle, four times, by the mean of the two bends.
+    pub bulge: S,
+    /// Four times the damping of this side.
+    pub damping: S,
+    /// Coefficients of the correction's slope, a quadratic along the side.
+    pub correction: [S; 3],
+    /// Whether the other side at either end is straight, though the vertex's normal leans along
+    /// it: there the surface cannot keep the vertex's tangent plane, and the slope does not vanish.
+    pub loose: [bool; 2],
+}
+
+/// A triangle's plane.
+pub(super) struct Plane<S> {
+    /// `nc`: the unit normal, turned to agree with the vertex normals.
+    pub normal: Vector<S>,
+    /// Gradients of the three barycentric coordinates.
+    pub gradients: [Vector<S>; 3],
+    /// Each side's unit perpendicular.
+    pub inward: [Vector<S>; 3],
+    /// Heights over the sides, and one over them.
+    heights: [S; 2 * 3],
+    /// One over each side's length and its square.
+    per_length: [S; 3],
+    pub per_length2: [S; 3],
+}
+
+impl<S: Scalar> Plane<S> {
+    #[inline(always)]
+    pub fn new(frame: &Frame<S>) -> Self {
+        let one = S::from_f64(1.0);
+        let per_area = one / frame.area2;
+        let per_length2 = ratios([one; 3], frame.lengths2);
+        let lengths = roots(frame.lengths2);
+        let per_length = three(
+            #[inline(always)]
+            |k| lengths[k] * per_length2[k],
+        );
+        let geometric = frame.cross * per_area;
+        let across = three(
+            #[inline(always)]
+            |k| geometric.cross(frame.edges[k]),
+        );
+        let heights = three(
+            #[inline(always)]
+            |k| frame.area2 * per_length[k],
+        );
+        let per_heights = three(
+            #[inline(always)]
+            |k| lengths[k] * per_area,
+        );
+        Self {
+            normal: geometric * frame.winding,
+            // Side k is opposite to vertex k + 2.
+            gradients: [
+                across[1] * per_area,
+                across[2] * per_area,
+                across[0] * per_area,
+            ],
+            inward: three(
+                #[inline(always)]
+                |k| across[k] * per_length[k],
+            ),
+            heights: [
+                heights[0],
+                heights[1],
+                heights[2],
+                per_heights[0],
+                per_heights[1],
+                per_heights[2],
+            ],
+            per_length,
+            per_length2,
+        }
+    }
+}
+
+/// The three sides, without their corrections.
+#[inline(always)]
+pub(super) fn sides<S: Scalar>(
+    frame: &Frame<S>,
+    plane: &Plane<S>,
+    normals: &[Vector<S>; 3],
+    flags: PatchFlags,
+) -> [Side<S>; 3] {
+    let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
+    let third = S::from_f64(1.0 / 3.0);
+    let edges = &frame.edges;
+    let sums = three(
+        #[inline(always)]
+        |k| normals[k] + normals[next(k)],
+    );
+    let leans = ratios(
+        three(
+            #[inline(always)]
+            |k| sums[k].dot(plane.inward[k]),
+        ),
+        three(
+            #[inline(always)]
+            |k| sums[k].dot(plane.normal),
+        ),
+    );
+    // Where the opposite vertex stands over the side: from the side's first vertex.
+    let feet = three(
+        #[inline(always)]
+        |k| -edges[next(next(k))].dot(edges[k]) * plane.per_length2[k],
+    );
+    let centroids = three(
+        #[inline(always)]
+        |k| (one + feet[k]) * third,
+    );
+    let shares = ratios(
+        [third; 3],
+        three(
+            #[inline(always)]
+            |k| centroids[k] * (one - centroids[k]),
+        ),
+    );
+    let margin = S::from_f64(MIN_CENTROID_FOOT);
+    let smooth = flags.surface() == Surface::Smooth;
+    let side = inlined(
+        #[inline(always)]
+        |k: usize| {
+            let edge = edges[k];
+            let (straight, per_height) = (flags.is_straight(k), plane.heights[3 + k]);
+            let centroid = centroids[k];
+            let obtuse = !(margin < centroid && centroid < one - margin);
+            let (first, second) = (normals[k].dot(edge), normals[next(k)].dot(edge));
+            let kept = S::from_f64(if straight { 0.0 } else { 2.0 });
+            let most = S::from_f64(0.9);
+            let damping = (sums[k].dot(edge).abs() * plane.per_length[k]).lesser(most);
+            let damped = S::from_f64(if smooth && !straight { 4.0 } else { 0.0 });
+            Side {
+                length2: frame.lengths2[k],
+                height: plane.heights[k],
+                per_height,
+                foot: feet[k],
+                lean: leans[k],
+                tilt: leans[k] * per_height,
+                rise: [
+                    S::select(obtuse, one, (one - centroid) * shares[k]),
+                    S::select(obtuse, one, centroid * shares[k]),
+                ],
+                obtuse,
+                bend: [first * kept, -(second * kept)],
+                bulge: zero,
+                damping: damping * damped,
+                correction: [zero; 3],
+                loose: [next(next(k)), next(k)].map(|other| !straight && flags.is_straight(other)),
+            }
+        },
+    );
+    [side(0), side(1), side(2)]
+}
+
+/// Three square roots at once.
+#[inline(always)]
+fn roots<S: Scalar>([a, b, c]: [S; 3]) -> [S; 3] {
+    // Of four, for which there is one instruction.
+    let [a, b, c, _] = [a, b, c, c].map(
+        #[inline(always)]
+        |of| Real::sqrt(of),
+    );
+    [a, b, c]
+}
+
+/// Three quotients at once.
+#[inline(always)]
+fn ratios<S: Scalar>([a, b, c]: [S; 3], [p, q, r]: [S; 3]) -> [S; 3] {
+    let [a, b, c, _] = [a / p, b / q, c / r, c / r];
+    [a, b, c]
+}
