@@ -5,7 +5,7 @@ use std::cell::Cell;
 use super::finish::{self, MAX_PARTS, Samples};
 use super::ita::{self, Root};
 use super::patch::{Patch, PatchKind, Rule, next};
-use super::ray::{Ray, Segment};
+use super::ray::{self, Ray, Segment};
 use super::real::{Mask, Real, Scalar, inlined};
 use super::vector::Vector;
 
@@ -143,11 +143,18 @@ impl<S: Scalar> Patch<S> {
     fn plane_hit<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Hit<V> {
         let at = segment.plane_crossing();
         let inside = at.constant(0.0).at_most(at) & at.at_most(segment.length);
-        let ([u, v], moved) = self.kept_inside(segment.projection(at));
-        let found = segment.alive & inside & moved.at_most(segment.stray_room);
+        let b = segment.projection(at);
+        let ([u, v], moved) = self.kept_inside(b);
+        let (mut t, mut beside) = (segment.start + at, moved);
+        if ray::is_thin(self) {
+            // A ray at a grazing angle that was moved onto a side passes it elsewhere.
+            let [later, off] = segment.passing(self, [u - b[1], v - b[2]]);
+            (t, beside) = (t + later, off);
+        }
+        let found = segment.alive & inside & beside.at_most(segment.stray_room);
         Hit {
             found,
-            t: segment.start + at,
+            t,
             u,
             v,
             evaluations: 0,
