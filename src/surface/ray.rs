@@ -55,7 +55,7 @@ pub(super) const RAY_EPSILONS: f64 = 4.0;
 /// grazing angle is moved by its own.
 const THIN: f64 = 1.0 / 32.0;
 /// The least sine of a grazing angle that is made up for.
-const LEAST_SINE: f64 = 1e-3;
+const LEAST_SINE: f64 = 1e-6;
 
 /// How far beyond side `k` a ray from this distance, in units of the patch's size, still counts.
 ///
