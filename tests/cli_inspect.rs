@@ -76,7 +76,7 @@ fn spheres_are_counted_where_they_are_asked_for() {
     // Two normals that lean far out over the side between them.
     let mesh = shop.write(
         "steep.obj",
-        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 -0.9 0.45\nf 1//2 2//2 3//1\n",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 -0.7 0.71\nf 1//2 2//2 3//1\n",
     );
     let tight = json(&shop, &[&mesh]);
     assert_eq!(tight["spheres"]["enlarged"], 0);
