@@ -146,7 +146,10 @@ fn a_picture_shows_the_kinds_in_their_colours() {
             "{text}"
         );
         let pixels = image::open(&picture).unwrap().to_rgb8();
-        let is_red = |&&image::Rgb([r, g, b]): &&image::Rgb<u8>| r > 60 && r > 2 * g.max(b);
+        let is_red = |pixel: &&image::Rgb<u8>| {
+            let [r, g, b] = pixel.0.map(u32::from);
+            r > 60 && r > 2 * g.max(b)
+        };
         pixels.pixels().filter(is_red).count()
     };
     assert!(red(&mesh) > 10_000, "{}", red(&mesh));

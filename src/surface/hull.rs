@@ -11,7 +11,7 @@ use super::vector::{Vector, vector};
 /// ray's own rounding: a guard, so that no ray slips between neighbours.
 pub(super) const OVERLAP_EPSILONS: f64 = 256.0;
 /// The least sine of a grazing angle that is made up for on thin triangles.
-const LEAST_SINE: f64 = 1e-3;
+const LEAST_SINE: f64 = 1e-6;
 
 /// The plane below the surface, whose normal is the triangle's.
 const UP: usize = 3;
