@@ -67,7 +67,7 @@ impl Camera {
     ///
     /// # Errors
     /// If the camera sees nothing.
-    pub(super) fn lens(
+    pub(crate) fn lens(
         &self,
         origin: DVec3,
         width: usize,
@@ -121,7 +121,7 @@ impl Axes {
 
 /// A camera prepared for a picture's size, in the scene's local space.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lens {
+pub(crate) struct Lens {
     eye: Vec3,
     /// Direction to the picture's upper left corner.
     corner: Vec3,

@@ -1,0 +1,136 @@
+//! What `curvetri compare` is told.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use clap::Args;
+use curvetri::render::{Form, Shading};
+
+use super::super::render::{LightArgs, ViewArgs};
+use super::super::surface::{SurfaceArgs, SurfaceChoice};
+use super::super::{usage, values};
+use super::measure::Contestant;
+
+/// Compare flat triangles with the curved surface: pictures, errors, time and memory
+#[derive(Args)]
+pub struct CompareArgs {
+    /// Mesh files (OBJ, PLY, STL, OFF, glTF, GLB, also as .gz), or - for standard input
+    #[arg(required = true, value_name = "MESH")]
+    pub meshes: Vec<PathBuf>,
+
+    /// A picture of all beside each other: flat, curved, their difference, the reference; a PNG file
+    #[arg(short, long, value_name = "FILE.png")]
+    pub output: PathBuf,
+
+    /// A mesh of the same body, so fine that it stands for the truth; may be given several times. It
+    /// is shown as flat triangles with interpolated normals
+    #[arg(long, value_name = "FINE")]
+    pub reference: Vec<PathBuf>,
+
+    /// Further surfaces to set beside them, as a list with commas
+    #[arg(long, value_name = "SURFACE,...", value_enum, value_delimiter = ',')]
+    pub also: Vec<SurfaceChoice>,
+
+    /// A page with pictures to slide over each other and all figures, in one file
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+
+    /// Print the figures as JSON
+    #[arg(long)]
+    pub json: bool,
+
+    /// Build and render so many times and give medians and spreads of times
+    #[arg(long, value_name = "N", default_value_t = 1,
+        value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeat: u32,
+
+    /// Width and height of each picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "800x600", value_parser = values::size)]
+    pub size: [usize; 2],
+
+    /// Rays a pixel
+    #[arg(long, visible_alias = "spp", value_name = "N", default_value_t = 16,
+        value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub samples: u32,
+
+    /// Threads to use [default: all]
+    #[arg(long, value_name = "N", value_parser = values::threads)]
+    pub threads: Option<usize>,
+
+    #[command(flatten)]
+    pub view: ViewArgs,
+
+    #[command(flatten)]
+    pub light: LightArgs,
+
+    #[command(flatten)]
+    pub surface: SurfaceArgs,
+}
+
+/// The most pixels of a picture: what is kept of each of several pictures is some hundred bytes.
+const MOST_PIXELS: usize = 1 << 26;
+
+impl CompareArgs {
+    /// What is compared, flat triangles first.
+    pub fn forms(&self) -> Result<Vec<Contestant>> {
+        let curved = self.surface.form()?;
+        if curved == Form::Flat {
+            return usage("compare sets a curved surface beside flat triangles: not --surface flat");
+        }
+        let mut forms = vec![
+            Contestant {
+                name: "flat".into(),
+                title: "flat triangles with interpolated normals".into(),
+                form: Form::Flat,
+                shading: Shading::Interpolated,
+            },
+            Contestant {
+                name: "curved".into(),
+                title: format!("the curved surface ({})", self.surface.name()),
+                form: curved,
+                shading: Shading::Geometric,
+            },
+        ];
+        for choice in &self.also {
+            let form = self.surface.choosing(*choice).form()?;
+            if forms.iter().any(|old| old.form == form && old.shading == Shading::Geometric) {
+                continue;
+            }
+            forms.push(match form {
+                Form::Flat => Contestant {
+                    name: "facets".into(),
+                    title: "flat triangles with their own normals".into(),
+                    form,
+                    shading: Shading::Geometric,
+                },
+                Form::Curved(_) => Contestant {
+                    name: choice.name().into(),
+                    title: format!("the curved surface {}", choice.name()),
+                    form,
+                    shading: Shading::Geometric,
+                },
+            });
+        }
+        Ok(forms)
+    }
+
+    /// Looks for mistakes that show in the arguments alone.
+    pub fn check(&self) -> Result<()> {
+        ends_in(&self.output, &["png"])?;
+        if let Some(report) = &self.report {
+            ends_in(report, &["html", "htm"])?;
+        }
+        if self.size[0] * self.size[1] > MOST_PIXELS {
+            return usage(format!("a picture has at most {MOST_PIXELS} pixels"));
+        }
+        self.view.check()
+    }
+}
+
+fn ends_in(path: &Path, endings: &[&str]) -> Result<()> {
+    let ending = path.extension().map(|e| e.to_ascii_lowercase());
+    if endings.iter().any(|known| ending.as_deref() == Some(known.as_ref())) {
+        return Ok(());
+    }
+    usage(format!("{} does not end in .{}", path.display(), endings[0]))
+}

@@ -1,0 +1,206 @@
+//! Builds and renders all that is compared: the same camera, light and rays for all.
+
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use curvetri::compare::View;
+use curvetri::mesh::Mesh;
+use curvetri::render::{
+    Form, Framing, Ground, Picture, RenderStats, Scene, Shading, Times, render,
+};
+
+use super::super::console::Console;
+use super::super::device;
+use super::args::CompareArgs;
+use super::Loaded;
+
+/// Something to be compared.
+#[derive(Clone, Debug)]
+pub struct Contestant {
+    /// Short: the head of a column.
+    pub name: String,
+    /// What it is.
+    pub title: String,
+    pub form: Form,
+    pub shading: Shading,
+}
+
+/// What was measured of it.
+pub struct Measured {
+    pub contestant: Contestant,
+    /// Vertices as the mesh has them, split at hard edges.
+    pub vertices: usize,
+    /// Of the first run, with medians over all for times.
+    pub stats: RenderStats,
+    /// Of each run.
+    pub times: Vec<Times>,
+    pub view: View,
+}
+
+/// What all are measured with.
+pub struct Bench<'a> {
+    args: &'a CompareArgs,
+    picture: Picture,
+    embree: [String; 2],
+}
+
+/// What has been measured so far of one of them.
+struct Progress<'a> {
+    contestant: Contestant,
+    meshes: &'a [Mesh],
+    load: Duration,
+    stats: RenderStats,
+    times: Vec<Times>,
+    view: Option<View>,
+}
+
+impl<'a> Bench<'a> {
+    /// Places the camera so that these meshes are seen.
+    pub fn new(args: &'a CompareArgs, meshes: &[Mesh]) -> Result<Self> {
+        let [width, height] = args.size;
+        let device = device(args.threads)?;
+        let scene = Scene::new(&device, meshes.to_vec(), Form::Flat);
+        let scene = scene.context("cannot build the scene")?;
+        let up = args.view.up_axis();
+        let lighting = args.light.lighting(up);
+        let framing = Framing {
+            up,
+            fov_degrees: args.view.fov(),
+            aspect: width as f64 / height as f64,
+            shadows_of: args.light.has_ground().then_some(lighting.towards_sun),
+        };
+        let picture = Picture {
+            samples: args.samples,
+            lighting,
+            albedo: args.light.albedo(),
+            ground: if args.light.has_ground() {
+                Ground::Plane
+            } else {
+                Ground::None
+            },
+            ..Picture::new(width, height, args.view.camera(framing.camera(&scene)), up)
+        };
+        // The first picture of all also starts threads and fetches code: it is not measured.
+        let small = Picture {
+            width: 64,
+            height: 48,
+            samples: 1,
+            ..picture.clone()
+        };
+        render(&scene, &small, &|_, _| ())?;
+        Ok(Self {
+            args,
+            picture,
+            embree: [device.version().to_string(), device.isa()],
+        })
+    }
+
+    /// Embree's version and the instruction set it uses.
+    pub fn embree(&self) -> &[String; 2] {
+        &self.embree
+    }
+
+    /// Measures forms of the meshes, and the reference. The runs take turns, so that whatever else
+    /// the machine does meets them all.
+    pub fn measure(
+        &self,
+        forms: Vec<Contestant>,
+        meshes: &Loaded,
+        reference: Option<&Loaded>,
+        console: &Console,
+    ) -> Result<(Vec<Measured>, Option<Measured>)> {
+        let mut all: Vec<Progress<'_>> = forms
+            .into_iter()
+            .map(|form| Progress::new(form, meshes))
+            .chain(reference.map(|fine| Progress::new(Contestant::reference(), fine)))
+            .collect();
+        for run in 1..=self.args.repeat {
+            for one in &mut all {
+                self.run(one, console).with_context(|| {
+                    format!("{} (run {run})", one.contestant.title)
+                })?;
+            }
+        }
+        let mut done: Vec<Measured> = all.into_iter().map(Progress::done).collect();
+        let reference = reference.and_then(|_| done.pop());
+        Ok((done, reference))
+    }
+
+    fn run(&self, one: &mut Progress<'_>, console: &Console) -> Result<()> {
+        let Contestant { name, form, shading, .. } = &one.contestant;
+        // A device of its own tells how much memory is this scene's.
+        let device = device(self.args.threads)?;
+        let bar = console.spinner("building");
+        let scene = Scene::new(&device, one.meshes.to_vec(), *form);
+        let scene = scene.context("cannot build the scene")?;
+        bar.finish_and_clear();
+        let picture = Picture {
+            shading: *shading,
+            ..self.picture.clone()
+        };
+        let bar = console.progress("rendering", 0);
+        let (film, stats) = render(&scene, &picture, &|_, tiles| {
+            bar.set_length(tiles as u64);
+            bar.inc(1);
+        })?;
+        bar.finish_and_clear();
+        console.note(&format!("{name}: {:.2} Mray/s", stats.mray_per_second()));
+        let times = Times {
+            load: one.load,
+            ..stats.times
+        };
+        one.times.push(times);
+        if one.view.is_none() {
+            let image = film.to_rgb8(self.args.light.background(), self.args.light.exposure());
+            one.view = Some(View::new(&scene, &picture, image)?);
+            one.stats = stats;
+        }
+        Ok(())
+    }
+}
+
+impl Contestant {
+    /// A fine mesh that stands for the truth. Flat, so that it does not favour the curved surfaces.
+    fn reference() -> Self {
+        Self {
+            name: "reference".into(),
+            title: "the reference, as flat triangles with interpolated normals".into(),
+            form: Form::Flat,
+            shading: Shading::Interpolated,
+        }
+    }
+}
+
+impl<'a> Progress<'a> {
+    fn new(contestant: Contestant, loaded: &'a Loaded) -> Self {
+        Self {
+            contestant,
+            meshes: &loaded.meshes,
+            load: loaded.time,
+            stats: RenderStats::default(),
+            times: Vec::new(),
+            view: None,
+        }
+    }
+
+    fn done(self) -> Measured {
+        let median = |part: fn(&Times) -> Duration| {
+            let mut all: Vec<Duration> = self.times.iter().map(part).collect();
+            all.sort_unstable();
+            (all[(all.len() - 1) / 2] + all[all.len() / 2]) / 2
+        };
+        let times = Times {
+            load: median(|times| times.load),
+            curve: median(|times| times.curve),
+            build: median(|times| times.build),
+            render: median(|times| times.render),
+        };
+        Measured {
+            vertices: self.meshes.iter().map(|m| m.positions().len()).sum(),
+            stats: RenderStats { times, ..self.stats },
+            contestant: self.contestant,
+            times: self.times,
+            view: self.view.expect("there is at least one run"),
+        }
+    }
+}
