@@ -8,8 +8,8 @@ use clap::{Args, ValueEnum};
 use curvetri::embree::Device;
 use curvetri::mesh::Mesh;
 use curvetri::render::{
-    Background, Camera, Film, Framing, Ground, Lighting, OutputFile, Picture, RenderStats, Scene,
-    UpAxis, render,
+    Background, Camera, Film, Form, Framing, Ground, Lighting, OutputFile, Picture, RenderStats,
+    Scene, Shading, UpAxis, render,
 };
 use glam::DVec3;
 
@@ -113,6 +113,10 @@ struct LightArgs {
     #[arg(long, value_name = "SHARE", default_value = "0.7", value_parser = values::share)]
     albedo: f32,
 
+    /// What flat triangles are lit by; curved ones have a normal of their own [default: geometric]
+    #[arg(long, value_enum)]
+    shading: Option<ShadingChoice>,
+
     /// Exposure in stops, over the default
     #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::stops,
         allow_hyphen_values = true)]
@@ -133,6 +137,14 @@ enum UpChoice {
     Z,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ShadingChoice {
+    /// Their own normals
+    Geometric,
+    /// The vertices' normals between them: a smooth look, while shadows stay those of flat triangles
+    Interpolated,
+}
+
 /// Runs the command.
 pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let form = args.surface.form()?;
@@ -146,6 +158,9 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     }
     if args.view.eye.is_some() && args.view.eye == args.view.target {
         return usage("the camera's --eye and --target are the same point");
+    }
+    if args.light.shading.is_some() && form != Form::Flat {
+        return usage("--shading is for --surface flat: a curved surface has normals of its own");
     }
     let device = device(args.threads)?;
     let (film, stats) = on_threads(args.threads, || {
@@ -203,6 +218,7 @@ impl RenderArgs {
             camera: self.view.camera(framing.camera(scene)),
             lighting,
             albedo: self.light.albedo,
+            shading: self.light.shading(),
             ground: if self.light.ground {
                 Ground::Plane
             } else {
@@ -269,6 +285,13 @@ impl LightArgs {
         lighting.sky.above *= self.sky;
         lighting.sky.below *= self.sky;
         lighting
+    }
+
+    fn shading(&self) -> Shading {
+        match self.shading {
+            None | Some(ShadingChoice::Geometric) => Shading::Geometric,
+            Some(ShadingChoice::Interpolated) => Shading::Interpolated,
+        }
     }
 
     fn background(&self) -> Background {

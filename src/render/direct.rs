@@ -4,6 +4,7 @@ use glam::{Vec3, Vec4};
 
 use super::light::Lighting;
 use super::scene::{Scene, reach, rounding};
+use super::shading::Shading;
 use super::stats::Rays;
 use crate::embree::{QueryOptions, Ray, RayPacket};
 
@@ -28,7 +29,7 @@ pub(super) struct GroundPlane {
 struct Seen {
     /// Where a secondary ray starts: off the surface by its error.
     start: Vec3,
-    /// Unit, towards the viewer.
+    /// What it is lit by: unit, on the viewer's side of the surface.
     normal: Vec3,
     /// How much of the background it hides.
     coverage: f32,
@@ -40,6 +41,7 @@ pub(super) struct Direct<'a> {
     pub lighting: &'a Lighting,
     /// Share of light that surfaces reflect.
     pub albedo: f32,
+    pub shading: Shading,
     pub ground: Option<GroundPlane>,
 }
 
@@ -101,14 +103,14 @@ impl Direct<'_> {
             return Some(ground);
         }
         let unit = hit.ng.normalize_or_zero();
-        let normal = if unit.dot(ray.direction) > 0.0 {
+        let facing = if unit.dot(ray.direction) > 0.0 {
             -unit
         } else {
             unit
         };
         Some(Seen {
-            start: self.scene.leaving_point(&hit, &ray, normal),
-            normal,
+            start: self.scene.leaving_point(&hit, &ray, facing),
+            normal: self.shading.normal(self.scene, &hit, facing),
             coverage: 1.0,
         })
     }

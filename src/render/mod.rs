@@ -15,6 +15,7 @@ mod light;
 mod output;
 mod sampler;
 mod scene;
+mod shading;
 mod stats;
 mod tiles;
 
@@ -28,5 +29,6 @@ pub use framing::Framing;
 pub use light::{Lighting, Sky};
 pub use output::{OutputError, OutputFile, WriteSeek};
 pub use scene::{Form, Scene, SceneError, Shape};
+pub use shading::Shading;
 pub use stats::{MemoryParts, Rays, RenderStats, Times};
 pub use tiles::{Ground, Picture, render};

@@ -7,12 +7,13 @@ use std::time::Instant;
 use glam::Vec4;
 use rayon::prelude::*;
 
-use super::camera::{Camera, CameraError, Lens};
+use super::camera::{Camera, CameraError, Lens, UpAxis};
 use super::direct::{Direct, GroundPlane, LANES};
 use super::film::Film;
 use super::light::Lighting;
 use super::sampler::PixelSampler;
 use super::scene::Scene;
+use super::shading::Shading;
 use super::stats::{Rays, RenderStats};
 use crate::curved::{Counters, counters};
 use crate::embree::{RayPacket, flush_denormals};
@@ -38,8 +39,26 @@ pub struct Picture {
     pub lighting: Lighting,
     /// Share of light that surfaces reflect, 0 to 1.
     pub albedo: f32,
+    /// What flat triangles are lit by.
+    pub shading: Shading,
     /// The ground.
     pub ground: Ground,
+}
+
+impl Picture {
+    /// A picture of this size by daylight, of 16 samples a pixel, without a ground.
+    pub fn new(width: usize, height: usize, camera: Camera, up: UpAxis) -> Self {
+        Self {
+            width,
+            height,
+            samples: 16,
+            camera,
+            lighting: Lighting::daylight(up),
+            albedo: 0.7,
+            shading: Shading::default(),
+            ground: Ground::default(),
+        }
+    }
 }
 
 /// A plane under the meshes that takes their shadows.
@@ -78,6 +97,7 @@ pub fn render(
         scene,
         lighting: &picture.lighting,
         albedo: picture.albedo,
+        shading: picture.shading,
         ground: picture.ground.plane(scene, &picture.lighting),
     };
     let columns = width.div_ceil(TILE);
