@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod accuracy_report;
+mod compare;
 mod console;
 mod inspect;
 mod render;
@@ -49,6 +50,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(render::RenderArgs),
+    Compare(compare::CompareArgs),
     Trace(trace::TraceArgs),
     Accuracy(accuracy::AccuracyArgs),
     Inspect(inspect::InspectArgs),
@@ -91,6 +93,7 @@ fn run(cli: &Cli) -> Result<()> {
     match &cli.command {
         _ if cli.version => print_version(),
         Some(Command::Render(args)) => render::run(args, &console),
+        Some(Command::Compare(args)) => compare::run(args, &console),
         Some(Command::Trace(args)) => trace::run(args, &console),
         Some(Command::Accuracy(args)) => accuracy::run(args, &console),
         Some(Command::Inspect(args)) => inspect::run(args, &console),

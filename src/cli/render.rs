@@ -19,6 +19,8 @@ use super::{console, device, on_threads, stats, usage, values};
 
 /// The most pixels of a picture: four gigabytes of film.
 const MOST_PIXELS: usize = 1 << 28;
+/// Where the help has the options of light.
+const LIGHT: &str = "Light and ground";
 
 /// Render a picture of meshes: their curved surface, sun with shadows, sky
 #[derive(Args)]
@@ -66,16 +68,24 @@ pub struct RenderArgs {
     #[command(flatten)]
     light: LightArgs,
 
+    /// What flat triangles are lit by; curved ones have a normal of their own [default: geometric]
+    #[arg(long, value_enum, help_heading = LIGHT)]
+    shading: Option<ShadingChoice>,
+
+    /// Leave the background transparent
+    #[arg(long, help_heading = LIGHT)]
+    transparent: bool,
+
     #[command(flatten)]
     surface: SurfaceArgs,
 }
 
 #[derive(Args)]
 #[command(next_help_heading = "Camera")]
-struct ViewArgs {
+pub struct ViewArgs {
     /// Which axis of the meshes points up
     #[arg(long, value_enum, default_value_t = UpChoice::Y)]
-    up_axis: UpChoice,
+    pub up_axis: UpChoice,
 
     /// Where the camera is [default: in front, above, a little to the right, as near as shows all]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
@@ -91,12 +101,12 @@ struct ViewArgs {
 
     /// The angle that the picture's height covers
     #[arg(long, value_name = "DEGREES", default_value = "35", value_parser = values::fov)]
-    fov: f64,
+    pub fov: f64,
 }
 
 #[derive(Args)]
-#[command(next_help_heading = "Light and ground")]
-struct LightArgs {
+#[command(next_help_heading = LIGHT)]
+pub struct LightArgs {
     /// The direction towards the sun [default: to the upper left, in front]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
     sun_direction: Option<DVec3>,
@@ -111,28 +121,20 @@ struct LightArgs {
 
     /// Share of light that the surface reflects
     #[arg(long, value_name = "SHARE", default_value = "0.7", value_parser = values::share)]
-    albedo: f32,
-
-    /// What flat triangles are lit by; curved ones have a normal of their own [default: geometric]
-    #[arg(long, value_enum)]
-    shading: Option<ShadingChoice>,
+    pub albedo: f32,
 
     /// Exposure in stops, over the default
     #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::stops,
         allow_hyphen_values = true)]
-    exposure: f32,
+    pub exposure: f32,
 
     /// Put the meshes on a plane that takes their shadows
     #[arg(long)]
-    ground: bool,
-
-    /// Leave the background transparent
-    #[arg(long)]
-    transparent: bool,
+    pub ground: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum UpChoice {
+pub enum UpChoice {
     Y,
     Z,
 }
@@ -156,10 +158,8 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     {
         return usage(format!("{} does not end in .png", args.output.display()));
     }
-    if args.view.eye.is_some() && args.view.eye == args.view.target {
-        return usage("the camera's --eye and --target are the same point");
-    }
-    if args.light.shading.is_some() && form != Form::Flat {
+    args.view.check()?;
+    if args.shading.is_some() && form != Form::Flat {
         return usage("--shading is for --surface flat: a curved surface has normals of its own");
     }
     let device = device(args.threads)?;
@@ -177,7 +177,7 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
         bar.finish_and_clear();
         let (film, mut stats) = args.trace(&scene, size, console)?;
         stats.times.load = load;
-        output.finish(|out| film.write_png(out, args.light.background(), args.light.exposure))?;
+        output.finish(|out| film.write_png(out, args.background(), args.light.exposure))?;
         Ok((film, stats))
     })?;
     args.tell(&film, &stats, &device, console)
@@ -196,6 +196,21 @@ impl RenderArgs {
             return usage(format!("a picture has at most {MOST_PIXELS} pixels"));
         }
         Ok(size)
+    }
+
+    fn shading(&self) -> Shading {
+        match self.shading {
+            None | Some(ShadingChoice::Geometric) => Shading::Geometric,
+            Some(ShadingChoice::Interpolated) => Shading::Interpolated,
+        }
+    }
+
+    fn background(&self) -> Background {
+        if self.transparent {
+            Background::Transparent
+        } else {
+            Background::default()
+        }
     }
 
     fn trace(
@@ -218,7 +233,7 @@ impl RenderArgs {
             camera: self.view.camera(framing.camera(scene)),
             lighting,
             albedo: self.light.albedo,
-            shading: self.light.shading(),
+            shading: self.shading(),
             ground: if self.light.ground {
                 Ground::Plane
             } else {
@@ -262,8 +277,16 @@ impl RenderArgs {
 }
 
 impl ViewArgs {
+    /// Looks for a camera that sees nothing.
+    pub fn check(&self) -> Result<()> {
+        if self.eye.is_some() && self.eye == self.target {
+            return usage("the camera's --eye and --target are the same point");
+        }
+        Ok(())
+    }
+
     /// The camera as asked for, and where nothing is asked for as it framed the scene.
-    fn camera(&self, framed: Camera) -> Camera {
+    pub fn camera(&self, framed: Camera) -> Camera {
         let target = self.target.unwrap_or(framed.target);
         Camera {
             // A target of its own moves the framing camera along.
@@ -276,7 +299,7 @@ impl ViewArgs {
 }
 
 impl LightArgs {
-    fn lighting(&self, up: UpAxis) -> Lighting {
+    pub fn lighting(&self, up: UpAxis) -> Lighting {
         let mut lighting = Lighting::daylight(up);
         if let Some(direction) = self.sun_direction {
             lighting.towards_sun = direction.as_vec3().normalize();
@@ -286,25 +309,10 @@ impl LightArgs {
         lighting.sky.below *= self.sky;
         lighting
     }
-
-    fn shading(&self) -> Shading {
-        match self.shading {
-            None | Some(ShadingChoice::Geometric) => Shading::Geometric,
-            Some(ShadingChoice::Interpolated) => Shading::Interpolated,
-        }
-    }
-
-    fn background(&self) -> Background {
-        if self.transparent {
-            Background::Transparent
-        } else {
-            Background::default()
-        }
-    }
 }
 
 impl UpChoice {
-    fn axis(self) -> UpAxis {
+    pub fn axis(self) -> UpAxis {
         match self {
             Self::Y => UpAxis::Y,
             Self::Z => UpAxis::Z,

@@ -23,6 +23,7 @@ pub use batch::{
     AllAnswers, Answers, NO_PRIMITIVE, PacketWidth, UserRay, UserRays, answer_all_hits,
     answer_occluded, answer_rays,
 };
+pub(crate) use camera::Lens;
 pub use camera::{Camera, CameraError, UpAxis};
 pub use film::{Background, Film};
 pub use framing::Framing;
@@ -31,4 +32,4 @@ pub use output::{OutputError, OutputFile, WriteSeek};
 pub use scene::{Form, Scene, SceneError, Shape};
 pub use shading::Shading;
 pub use stats::{MemoryParts, Rays, RenderStats, Times};
-pub use tiles::{Ground, Picture, render};
+pub use tiles::{FixedGround, Ground, Picture, render};

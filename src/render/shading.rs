@@ -19,7 +19,7 @@ pub enum Shading {
 impl Shading {
     /// The unit normal that a hit is lit by, on the same side of the surface as `facing`, one of the
     /// two unit normals of the geometry there.
-    pub(super) fn normal(self, scene: &Scene, hit: &Hit, facing: Vec3) -> Vec3 {
+    pub(crate) fn normal(self, scene: &Scene, hit: &Hit, facing: Vec3) -> Vec3 {
         match (self, &scene.shapes()[hit.geom_id as usize]) {
             (Self::Interpolated, Shape::Flat(mesh)) => {
                 let [a, b, c] = mesh.triangle_normals(hit.prim_id as usize);

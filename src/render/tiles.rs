@@ -4,7 +4,7 @@ use std::ops::Add;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use glam::Vec4;
+use glam::{DVec3, Vec4};
 use rayon::prelude::*;
 
 use super::camera::{Camera, CameraError, Lens, UpAxis};
@@ -62,13 +62,26 @@ impl Picture {
 }
 
 /// A plane under the meshes that takes their shadows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Ground {
     /// No ground.
     #[default]
     None,
     /// An endless plane through the surface's lowest point that fades into the background.
     Plane,
+    /// Such a plane in a place of its own: [`Ground::under`] another scene.
+    Fixed(FixedGround),
+}
+
+/// A ground that stays where it is, whatever the scene. In the user's space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FixedGround {
+    /// Its height along the sky's up vector.
+    height: f64,
+    /// The middle of what lies on it.
+    centre: DVec3,
+    /// How far that reaches from its middle.
+    radius: f64,
 }
 
 /// Renders a picture on the threads of the current rayon pool. The picture does not depend on how
@@ -131,19 +144,35 @@ pub fn render(
 }
 
 impl Ground {
+    /// The ground that [`Ground::Plane`] is for a scene: other scenes may lie on it as well.
+    pub fn under(scene: &Scene, lighting: &Lighting) -> Self {
+        Self::Fixed(FixedGround::under(scene, lighting))
+    }
+
     fn plane(self, scene: &Scene, lighting: &Lighting) -> Option<GroundPlane> {
-        match self {
-            Self::None => None,
-            Self::Plane => {
-                let (bounds, up) = (scene.bounds(), lighting.sky.up);
-                let radius = (0.5 * bounds.diagonal()) as f32;
-                Some(GroundPlane {
-                    up,
-                    height: scene.lowest(up),
-                    centre: (bounds.centre() - scene.origin()).as_vec3(),
-                    fade: [2.0 * radius, 12.0 * radius],
-                })
-            }
+        let ground = match self {
+            Self::None => return None,
+            Self::Plane => FixedGround::under(scene, lighting),
+            Self::Fixed(ground) => ground,
+        };
+        let (up, origin) = (lighting.sky.up, scene.origin());
+        let radius = ground.radius as f32;
+        Some(GroundPlane {
+            up,
+            height: (ground.height - origin.dot(up.as_dvec3())) as f32,
+            centre: (ground.centre - origin).as_vec3(),
+            fade: [2.0 * radius, 12.0 * radius],
+        })
+    }
+}
+
+impl FixedGround {
+    fn under(scene: &Scene, lighting: &Lighting) -> Self {
+        let (bounds, up) = (scene.bounds(), lighting.sky.up);
+        Self {
+            height: f64::from(scene.lowest(up)) + scene.origin().dot(up.as_dvec3()),
+            centre: bounds.centre(),
+            radius: 0.5 * bounds.diagonal(),
         }
     }
 }

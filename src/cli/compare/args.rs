@@ -75,7 +75,9 @@ impl CompareArgs {
     pub fn forms(&self) -> Result<Vec<Contestant>> {
         let curved = self.surface.form()?;
         if curved == Form::Flat {
-            return usage("compare sets a curved surface beside flat triangles: not --surface flat");
+            return usage(
+                "compare sets a curved surface beside flat triangles: not --surface flat",
+            );
         }
         let mut forms = vec![
             Contestant {
@@ -93,7 +95,10 @@ impl CompareArgs {
         ];
         for choice in &self.also {
             let form = self.surface.choosing(*choice).form()?;
-            if forms.iter().any(|old| old.form == form && old.shading == Shading::Geometric) {
+            if forms
+                .iter()
+                .any(|old| old.form == form && old.shading == Shading::Geometric)
+            {
                 continue;
             }
             forms.push(match form {
@@ -129,8 +134,15 @@ impl CompareArgs {
 
 fn ends_in(path: &Path, endings: &[&str]) -> Result<()> {
     let ending = path.extension().map(|e| e.to_ascii_lowercase());
-    if endings.iter().any(|known| ending.as_deref() == Some(known.as_ref())) {
+    if endings
+        .iter()
+        .any(|known| ending.as_deref() == Some(known.as_ref()))
+    {
         return Ok(());
     }
-    usage(format!("{} does not end in .{}", path.display(), endings[0]))
+    usage(format!(
+        "{} does not end in .{}",
+        path.display(),
+        endings[0]
+    ))
 }

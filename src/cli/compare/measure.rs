@@ -6,13 +6,13 @@ use anyhow::{Context, Result};
 use curvetri::compare::View;
 use curvetri::mesh::Mesh;
 use curvetri::render::{
-    Form, Framing, Ground, Picture, RenderStats, Scene, Shading, Times, render,
+    Background, Form, Framing, Ground, Picture, RenderStats, Scene, Shading, Times, render,
 };
 
 use super::super::console::Console;
 use super::super::device;
-use super::args::CompareArgs;
 use super::Loaded;
+use super::args::CompareArgs;
 
 /// Something to be compared.
 #[derive(Clone, Debug)]
@@ -55,30 +55,34 @@ struct Progress<'a> {
 }
 
 impl<'a> Bench<'a> {
-    /// Places the camera so that these meshes are seen.
-    pub fn new(args: &'a CompareArgs, meshes: &[Mesh]) -> Result<Self> {
+    /// Places the camera so that these meshes are seen, and the ground under `lowest`: the same for
+    /// all, as the form that stands for the truth has it.
+    pub fn new(args: &'a CompareArgs, meshes: &[Mesh], lowest: (&[Mesh], Form)) -> Result<Self> {
         let [width, height] = args.size;
         let device = device(args.threads)?;
-        let scene = Scene::new(&device, meshes.to_vec(), Form::Flat);
-        let scene = scene.context("cannot build the scene")?;
-        let up = args.view.up_axis();
+        let scene = |meshes: &[Mesh], form| {
+            let scene = Scene::new(&device, meshes.to_vec(), form);
+            scene.context("cannot build the scene")
+        };
+        let flat = scene(meshes, Form::Flat)?;
+        let up = args.view.up_axis.axis();
         let lighting = args.light.lighting(up);
         let framing = Framing {
             up,
-            fov_degrees: args.view.fov(),
+            fov_degrees: args.view.fov,
             aspect: width as f64 / height as f64,
-            shadows_of: args.light.has_ground().then_some(lighting.towards_sun),
+            shadows_of: args.light.ground.then_some(lighting.towards_sun),
         };
         let picture = Picture {
             samples: args.samples,
             lighting,
-            albedo: args.light.albedo(),
-            ground: if args.light.has_ground() {
-                Ground::Plane
+            albedo: args.light.albedo,
+            ground: if args.light.ground {
+                Ground::under(&scene(lowest.0, lowest.1)?, &lighting)
             } else {
                 Ground::None
             },
-            ..Picture::new(width, height, args.view.camera(framing.camera(&scene)), up)
+            ..Picture::new(width, height, args.view.camera(framing.camera(&flat)), up)
         };
         // The first picture of all also starts threads and fetches code: it is not measured.
         let small = Picture {
@@ -87,7 +91,7 @@ impl<'a> Bench<'a> {
             samples: 1,
             ..picture.clone()
         };
-        render(&scene, &small, &|_, _| ())?;
+        render(&flat, &small, &|_, _| ())?;
         Ok(Self {
             args,
             picture,
@@ -116,9 +120,8 @@ impl<'a> Bench<'a> {
             .collect();
         for run in 1..=self.args.repeat {
             for one in &mut all {
-                self.run(one, console).with_context(|| {
-                    format!("{} (run {run})", one.contestant.title)
-                })?;
+                self.run(one, console)
+                    .with_context(|| format!("{} (run {run})", one.contestant.title))?;
             }
         }
         let mut done: Vec<Measured> = all.into_iter().map(Progress::done).collect();
@@ -127,7 +130,12 @@ impl<'a> Bench<'a> {
     }
 
     fn run(&self, one: &mut Progress<'_>, console: &Console) -> Result<()> {
-        let Contestant { name, form, shading, .. } = &one.contestant;
+        let Contestant {
+            name,
+            form,
+            shading,
+            ..
+        } = &one.contestant;
         // A device of its own tells how much memory is this scene's.
         let device = device(self.args.threads)?;
         let bar = console.spinner("building");
@@ -151,7 +159,7 @@ impl<'a> Bench<'a> {
         };
         one.times.push(times);
         if one.view.is_none() {
-            let image = film.to_rgb8(self.args.light.background(), self.args.light.exposure());
+            let image = film.to_rgb8(Background::default(), self.args.light.exposure);
             one.view = Some(View::new(&scene, &picture, image)?);
             one.stats = stats;
         }
@@ -197,7 +205,10 @@ impl<'a> Progress<'a> {
         };
         Measured {
             vertices: self.meshes.iter().map(|m| m.positions().len()).sum(),
-            stats: RenderStats { times, ..self.stats },
+            stats: RenderStats {
+                times,
+                ..self.stats
+            },
             contestant: self.contestant,
             times: self.times,
             view: self.view.expect("there is at least one run"),

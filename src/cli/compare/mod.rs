@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use curvetri::mesh::{Bounds, Mesh};
-use curvetri::render::OutputFile;
+use curvetri::render::{Form, OutputFile};
 
 pub use args::CompareArgs;
 
@@ -22,7 +22,7 @@ use self::figures::Figures;
 use self::measure::{Bench, Measured};
 use self::pictures::Pictures;
 use super::console::{self, Console};
-use super::{on_threads, stats};
+use super::on_threads;
 
 /// Meshes that were read, and how long that took.
 struct Loaded {
@@ -60,13 +60,18 @@ impl Measurements {
 pub fn run(args: &CompareArgs, console: &Console) -> Result<()> {
     let forms = args.forms()?;
     args.check()?;
-    let (figures, pictures) = on_threads(args.threads, || {
+    let figures = on_threads(args.threads, || {
         let loaded = args.load(&args.meshes, console)?;
         let reference = args.load_reference(&loaded, console)?;
         let sheet = OutputFile::create(&args.output)?;
         let report = args.report.as_ref().map(OutputFile::create).transpose()?;
-        let bench = Bench::new(args, &loaded.meshes)?;
-        let measurements = bench.measure(forms, loaded, reference, console)?;
+        let lowest = match &reference {
+            Some(fine) => (&fine.meshes[..], Form::Flat),
+            None => (&loaded.meshes[..], forms[1].form),
+        };
+        let bench = Bench::new(args, &loaded.meshes, lowest)?;
+        let (forms, reference) = bench.measure(forms, &loaded, reference.as_ref(), console)?;
+        let measurements = Measurements { forms, reference };
         let bar = console.spinner("comparing");
         let pictures = Pictures::of(&measurements);
         let figures = Figures::of(args, &measurements, &pictures, bench.embree());
@@ -76,14 +81,13 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<()> {
             report.finish(|out| out.write_all(html.as_bytes()))?;
         }
         bar.finish_and_clear();
-        Ok((figures, pictures))
+        Ok(figures)
     })?;
-    drop(pictures);
-    console::print(&if args.json {
-        stats::pretty(&figures)?
+    if args.json {
+        console::print(&format!("{}\n", serde_json::to_string_pretty(&figures)?))
     } else {
-        table::text(&figures)
-    })
+        console::print(&table::text(&figures))
+    }
 }
 
 impl CompareArgs {

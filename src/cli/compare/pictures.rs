@@ -29,12 +29,15 @@ impl Pictures {
     /// Compares everything with the reference or, without one, with the flat triangles.
     pub fn of(all: &Measurements) -> Self {
         let (flat, curved) = (all.flat(), all.curved());
-        let mut shown: Vec<Shown> = all.all().map(|form| Shown {
-            key: form.contestant.name.clone(),
-            title: form.contestant.name.clone(),
-            caption: sentence(&form.contestant.title),
-            image: form.view.image.clone(),
-        }).collect();
+        let mut shown: Vec<Shown> = all
+            .all()
+            .map(|form| Shown {
+                key: form.contestant.name.clone(),
+                title: form.contestant.name.clone(),
+                caption: sentence(&form.contestant.title),
+                image: form.view.image.clone(),
+            })
+            .collect();
         let between = curved.view.apart_from(&flat.view);
         shown.push(Shown {
             key: "difference".into(),
@@ -51,7 +54,10 @@ impl Pictures {
                     .collect()
             }
             Some(truth) => {
-                let apart = all.forms.iter().map(|form| form.view.apart_from(&truth.view));
+                let apart = all
+                    .forms
+                    .iter()
+                    .map(|form| form.view.apart_from(&truth.view));
                 apart.map(Some).chain([None]).collect()
             }
         };
@@ -62,7 +68,9 @@ impl Pictures {
                 shown.push(Shown {
                     key: format!("{name}-error"),
                     title: format!("error of {name}"),
-                    caption: format!("How different {name} and the reference look (FLIP): {SCALE}."),
+                    caption: format!(
+                        "How different {name} and the reference look (FLIP): {SCALE}."
+                    ),
                     image: apart.flip_map.clone(),
                 });
             }

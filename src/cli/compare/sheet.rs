@@ -24,7 +24,12 @@ pub fn write(pictures: &Pictures, out: impl Write) -> io::Result<()> {
     let panels: Vec<&Shown> = PANELS.iter().filter_map(|key| pictures.get(key)).collect();
     let sheet = sheet(&panels);
     PngEncoder::new(out)
-        .write_image(&sheet, sheet.width(), sheet.height(), ExtendedColorType::Rgb8)
+        .write_image(
+            &sheet,
+            sheet.width(),
+            sheet.height(),
+            ExtendedColorType::Rgb8,
+        )
         .map_err(|error| match error {
             image::ImageError::IoError(error) => error,
             other => io::Error::other(other),
@@ -43,7 +48,12 @@ fn sheet(panels: &[&Shown]) -> RgbImage {
         } else {
             &panel.title
         };
-        label(&mut sheet, title, [x, (STRIP - HEIGHT.val() as u32) / 2], width);
+        label(
+            &mut sheet,
+            title,
+            [x, (STRIP - HEIGHT.val() as u32) / 2],
+            width,
+        );
         imageops::replace(&mut sheet, &panel.image, x.into(), STRIP.into());
     }
     sheet
@@ -56,13 +66,13 @@ fn label(sheet: &mut RgbImage, text: &str, [x, y]: [u32; 2], room: u32) {
         let Some(raster) = get_raster(letter, WEIGHT, HEIGHT) else {
             continue;
         };
-        for (row, line) in raster.raster().iter().enumerate() {
+        for (row, line) in raster.rows().enumerate() {
             for (column, &ink) in line.iter().enumerate() {
                 let at = [x as usize + n * advance + column, y as usize + row].map(|n| n as u32);
                 let pixel = &mut sheet.get_pixel_mut(at[0], at[1]).0;
                 let mixed = |i: usize| {
-                    let (ink, from, to) = (u32::from(ink), PAPER.0[i].into(), INK[i].into());
-                    ((255 - ink) * from + ink * to) / 255_u32
+                    let [paper, ink_there] = [PAPER.0[i], INK[i]].map(u32::from);
+                    ((255 - u32::from(ink)) * paper + u32::from(ink) * ink_there) / 255
                 };
                 *pixel = [0, 1, 2].map(|i| mixed(i) as u8);
             }
@@ -85,7 +95,10 @@ mod tests {
 
     #[test]
     fn pictures_lie_beside_each_other_under_their_labels() {
-        let panels = [shown("flat", [200, 0, 0], 90), shown("curved", [0, 200, 0], 90)];
+        let panels = [
+            shown("flat", [200, 0, 0], 90),
+            shown("curved", [0, 200, 0], 90),
+        ];
         let sheet = sheet(&[&panels[0], &panels[1]]);
         assert_eq!(sheet.dimensions(), (3 * GAP + 180, STRIP + 20 + GAP));
         assert_eq!(sheet.get_pixel(GAP, STRIP).0, [200, 0, 0]);
@@ -95,7 +108,10 @@ mod tests {
             (from..to).any(|x| (0..STRIP).any(|y| sheet.get_pixel(x, y).0[0] > 150))
         };
         assert!(inked(GAP, GAP + 60) && inked(2 * GAP + 90, 2 * GAP + 150));
-        assert!(!inked(GAP + 60, GAP + 90), "seven letters take less than 60");
+        assert!(
+            !inked(GAP + 60, GAP + 90),
+            "seven letters take less than 60"
+        );
     }
 
     #[test]
