@@ -88,7 +88,7 @@ fn a_mesh_as_its_own_reference_has_no_error_as_flat_triangles() {
         "--reference",
         &mesh,
         "--also",
-        "flat,tensor,smooth",
+        "facets,tensor,smooth",
         "--ground",
     ];
     let figures = figures(&shop, &[&[&mesh[..]], &args[..]].concat());

@@ -17,7 +17,7 @@ const DEFAULT_BITS: u32 = 24;
 /// Digits a step if only the number of digits is given: the least that misses no root in practice.
 const DEFAULT_STEP: u32 = 3;
 
-#[derive(Args, Clone)]
+#[derive(Args)]
 #[command(next_help_heading = "Surface")]
 pub struct SurfaceArgs {
     /// What the triangles stand for
@@ -54,7 +54,7 @@ enum NormalsChoice {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum SurfaceChoice {
+enum SurfaceChoice {
     /// Themselves
     Flat,
     /// The paper's curved triangles
@@ -65,35 +65,7 @@ pub enum SurfaceChoice {
     Smooth,
 }
 
-impl SurfaceChoice {
-    /// Its name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Flat => "flat",
-            Self::Angular => "angular",
-            Self::Tensor => "tensor",
-            Self::Smooth => "smooth",
-        }
-    }
-}
-
 impl SurfaceArgs {
-    /// The name of the surface that is chosen.
-    pub fn name(&self) -> &'static str {
-        self.surface.name()
-    }
-
-    /// The same options for another surface.
-    pub fn choosing(&self, surface: SurfaceChoice) -> Self {
-        let flat = surface == SurfaceChoice::Flat;
-        Self {
-            surface,
-            ita_bits: self.ita_bits.filter(|_| !flat),
-            ita_step: self.ita_step.filter(|_| !flat),
-            ..self.clone()
-        }
-    }
-
     /// What the triangles stand for.
     pub fn form(&self) -> Result<Form> {
         let ita = self.ita_bits.is_some() || self.ita_step.is_some();

@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use clap::Args;
+use clap::{Args, ValueEnum};
+use curvetri::curved::CurvedOptions;
 use curvetri::render::{Form, Shading};
+use curvetri::surface::Surface;
 
 use super::super::render::{LightArgs, ViewArgs};
-use super::super::surface::{SurfaceArgs, SurfaceChoice};
+use super::super::surface::SurfaceArgs;
 use super::super::{usage, values};
 use super::measure::Contestant;
 
@@ -27,9 +29,9 @@ pub struct CompareArgs {
     #[arg(long, value_name = "FINE")]
     pub reference: Vec<PathBuf>,
 
-    /// Further surfaces to set beside them, as a list with commas
-    #[arg(long, value_name = "SURFACE,...", value_enum, value_delimiter = ',')]
-    pub also: Vec<SurfaceChoice>,
+    /// What else to set beside them, as a list with commas
+    #[arg(long, value_name = "FORM,...", value_enum, value_delimiter = ',')]
+    pub also: Vec<AlsoChoice>,
 
     /// A page with pictures to slide over each other and all figures, in one file
     #[arg(long, value_name = "FILE.html")]
@@ -67,6 +69,19 @@ pub struct CompareArgs {
     pub surface: SurfaceArgs,
 }
 
+/// Further forms to compare, as they are without any options.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AlsoChoice {
+    /// Flat triangles that are lit by their own normals
+    Facets,
+    /// The paper's surface with this program's bounds and root finder
+    Angular,
+    /// Curved by a quadratic form
+    Tensor,
+    /// As tensor, with tangent planes that agree across sides
+    Smooth,
+}
+
 /// The most pixels of a picture: what is kept of each of several pictures is some hundred bytes.
 const MOST_PIXELS: usize = 1 << 26;
 
@@ -80,41 +95,15 @@ impl CompareArgs {
             );
         }
         let mut forms = vec![
-            Contestant {
-                name: "flat".into(),
-                title: "flat triangles with interpolated normals".into(),
-                form: Form::Flat,
-                shading: Shading::Interpolated,
-            },
-            Contestant {
-                name: "curved".into(),
-                title: format!("the curved surface ({})", self.surface.name()),
-                form: curved,
-                shading: Shading::Geometric,
-            },
+            Contestant::flat("flat"),
+            Contestant::curved("curved", curved),
         ];
         for choice in &self.also {
-            let form = self.surface.choosing(*choice).form()?;
-            if forms
-                .iter()
-                .any(|old| old.form == form && old.shading == Shading::Geometric)
-            {
-                continue;
+            let also = choice.contestant();
+            let same = |old: &Contestant| old.form == also.form && old.shading == also.shading;
+            if !forms.iter().any(same) {
+                forms.push(also);
             }
-            forms.push(match form {
-                Form::Flat => Contestant {
-                    name: "facets".into(),
-                    title: "flat triangles with their own normals".into(),
-                    form,
-                    shading: Shading::Geometric,
-                },
-                Form::Curved(_) => Contestant {
-                    name: choice.name().into(),
-                    title: format!("the curved surface {}", choice.name()),
-                    form,
-                    shading: Shading::Geometric,
-                },
-            });
         }
         Ok(forms)
     }
@@ -129,6 +118,24 @@ impl CompareArgs {
             return usage(format!("a picture has at most {MOST_PIXELS} pixels"));
         }
         self.view.check()
+    }
+}
+
+impl AlsoChoice {
+    fn contestant(self) -> Contestant {
+        let curved = |name, surface| {
+            let options = CurvedOptions {
+                surface,
+                ..CurvedOptions::default()
+            };
+            Contestant::curved(name, Form::Curved(options))
+        };
+        match self {
+            Self::Facets => Contestant::facets(),
+            Self::Angular => curved("angular", Surface::Angular),
+            Self::Tensor => curved("tensor", Surface::Tensor),
+            Self::Smooth => curved("smooth", Surface::Smooth),
+        }
     }
 }
 

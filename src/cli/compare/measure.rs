@@ -168,13 +168,46 @@ impl<'a> Bench<'a> {
 }
 
 impl Contestant {
-    /// A fine mesh that stands for the truth. Flat, so that it does not favour the curved surfaces.
-    fn reference() -> Self {
+    /// What renderers do with triangles that have vertex normals.
+    pub fn flat(name: &str) -> Self {
         Self {
-            name: "reference".into(),
-            title: "the reference, as flat triangles with interpolated normals".into(),
+            name: name.into(),
+            title: "flat triangles with interpolated normals".into(),
             form: Form::Flat,
             shading: Shading::Interpolated,
+        }
+    }
+
+    /// Flat triangles as they are.
+    pub fn facets() -> Self {
+        Self {
+            name: "facets".into(),
+            title: "flat triangles with their own normals".into(),
+            form: Form::Flat,
+            shading: Shading::Geometric,
+        }
+    }
+
+    /// Curved triangles.
+    pub fn curved(name: &str, form: Form) -> Self {
+        let surface = match form {
+            Form::Flat => "flat",
+            Form::Curved(options) => options.surface.name(),
+        };
+        Self {
+            name: name.into(),
+            title: format!("the {surface} curved surface"),
+            form,
+            shading: Shading::Geometric,
+        }
+    }
+
+    /// A fine mesh that stands for the truth. Flat, so that it does not favour the curved surfaces.
+    fn reference() -> Self {
+        let flat = Self::flat("reference");
+        Self {
+            title: format!("the reference, as {}", flat.title),
+            ..flat
         }
     }
 }
