@@ -5,6 +5,8 @@ mod accuracy_report;
 mod compare;
 mod console;
 mod inspect;
+mod integrator;
+mod light;
 mod render;
 mod stats;
 mod surface;
@@ -49,8 +51,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    Render(render::RenderArgs),
-    Compare(compare::CompareArgs),
+    Render(Box<render::RenderArgs>),
+    Compare(Box<compare::CompareArgs>),
     Trace(trace::TraceArgs),
     Accuracy(accuracy::AccuracyArgs),
     Inspect(inspect::InspectArgs),

@@ -8,19 +8,19 @@ use clap::{Args, ValueEnum};
 use curvetri::embree::Device;
 use curvetri::mesh::Mesh;
 use curvetri::render::{
-    Background, Camera, Film, Form, Framing, Ground, Lighting, OutputFile, Picture, RenderStats,
-    Scene, Shading, UpAxis, render,
+    Aovs, Camera, Crop, Film, Form, Framing, Ground, OutputFile, Picture, RenderStats, Scene,
+    UpAxis, aovs, render,
 };
 use glam::DVec3;
 
 use super::console::Console;
+use super::integrator::IntegratorArgs;
+use super::light::LightArgs;
 use super::surface::SurfaceArgs;
 use super::{console, device, on_threads, stats, usage, values};
 
 /// The most pixels of a picture: four gigabytes of film.
 const MOST_PIXELS: usize = 1 << 28;
-/// Where the help has the options of light.
-const LIGHT: &str = "Light and ground";
 
 /// Render a picture of meshes: their curved surface, sun with shadows, sky
 #[derive(Args)]
@@ -29,8 +29,8 @@ pub struct RenderArgs {
     #[arg(required = true, value_name = "MESH")]
     meshes: Vec<PathBuf>,
 
-    /// The picture, a PNG file
-    #[arg(short, long, value_name = "FILE.png")]
+    /// The picture: FILE.png, or FILE.exr with depth, normals, positions and triangles' numbers
+    #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
     /// Width and height in pixels [default: 800x600]
@@ -44,6 +44,11 @@ pub struct RenderArgs {
     /// Height in pixels [default: 3/4 of the width]
     #[arg(long, value_name = "PIXELS", value_parser = values::side)]
     height: Option<usize>,
+
+    /// Render only this part of the picture: column and row of its upper left corner, width and
+    /// height, in pixels
+    #[arg(long, value_name = "X,Y,WxH", value_parser = values::crop)]
+    crop: Option<Crop>,
 
     /// Rays a pixel
     #[arg(long, visible_alias = "spp", value_name = "N", default_value_t = 16,
@@ -66,15 +71,10 @@ pub struct RenderArgs {
     view: ViewArgs,
 
     #[command(flatten)]
+    integrator: IntegratorArgs,
+
+    #[command(flatten)]
     light: LightArgs,
-
-    /// What flat triangles are lit by; curved ones have a normal of their own [default: geometric]
-    #[arg(long, value_enum, help_heading = LIGHT)]
-    shading: Option<ShadingChoice>,
-
-    /// Leave the background transparent
-    #[arg(long, help_heading = LIGHT)]
-    transparent: bool,
 
     #[command(flatten)]
     surface: SurfaceArgs,
@@ -104,64 +104,23 @@ pub struct ViewArgs {
     pub fov: f64,
 }
 
-#[derive(Args)]
-#[command(next_help_heading = LIGHT)]
-pub struct LightArgs {
-    /// The direction towards the sun [default: to the upper left, in front]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
-    sun_direction: Option<DVec3>,
-
-    /// Brightness of the sun, as a factor
-    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = values::brightness)]
-    sun: f32,
-
-    /// Brightness of the sky, as a factor
-    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = values::brightness)]
-    sky: f32,
-
-    /// Share of light that the surface reflects
-    #[arg(long, value_name = "SHARE", default_value = "0.7", value_parser = values::share)]
-    pub albedo: f32,
-
-    /// Exposure in stops, over the default
-    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::stops,
-        allow_hyphen_values = true)]
-    pub exposure: f32,
-
-    /// Put the meshes on a plane that takes their shadows
-    #[arg(long)]
-    pub ground: bool,
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum UpChoice {
     Y,
     Z,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum ShadingChoice {
-    /// Their own normals
-    Geometric,
-    /// The vertices' normals between them: a smooth look, while shadows stay those of flat triangles
-    Interpolated,
+/// What a picture is written as, by its file's ending.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Png,
+    Exr,
 }
 
 /// Runs the command.
 pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let form = args.surface.form()?;
-    let size = args.size()?;
-    if !args
-        .output
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("png"))
-    {
-        return usage(format!("{} does not end in .png", args.output.display()));
-    }
-    args.view.check()?;
-    if args.shading.is_some() && form != Form::Flat {
-        return usage("--shading is for --surface flat: a curved surface has normals of its own");
-    }
+    let format = args.check(form)?;
     let device = device(args.threads)?;
     let (film, stats) = on_threads(args.threads, || {
         let start = Instant::now();
@@ -175,15 +134,75 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
         let bar = console.spinner("building");
         let scene = Scene::new(&device, meshes, form).context("cannot build the scene")?;
         bar.finish_and_clear();
-        let (film, mut stats) = args.trace(&scene, size, console)?;
+        let picture = args.picture(&scene)?;
+        let (film, mut stats) = traced(&scene, &picture, console)?;
         stats.times.load = load;
-        output.finish(|out| film.write_png(out, args.background(), args.light.exposure))?;
+        match format {
+            Format::Png => output
+                .finish(|out| film.write_png(out, args.light.background(), args.light.exposure))?,
+            Format::Exr => {
+                let aovs: Aovs = aovs(&scene, &picture)?;
+                output.finish(|out| film.write_exr(out, &aovs))?;
+            }
+        }
         Ok((film, stats))
     })?;
     args.tell(&film, &stats, &device, console)
 }
 
+fn traced(scene: &Scene, picture: &Picture, console: &Console) -> Result<(Film, RenderStats)> {
+    let camera = &picture.camera;
+    console.note(&format!(
+        "camera at {}, towards {}",
+        camera.eye, camera.target
+    ));
+    let bar = console.progress("rendering", 0);
+    let result = render(scene, picture, &|_, tiles| {
+        bar.set_length(tiles as u64);
+        bar.inc(1);
+    });
+    bar.finish_and_clear();
+    Ok(result?)
+}
+
 impl RenderArgs {
+    /// Refuses what does not go together, before any work.
+    fn check(&self, form: Form) -> Result<Format> {
+        let size = self.size()?;
+        if let Some(crop) = self.crop
+            && (crop.x + crop.width > size[0] || crop.y + crop.height > size[1])
+        {
+            return usage(format!(
+                "--crop {},{},{}x{} is not within the picture of {}x{} pixels",
+                crop.x, crop.y, crop.width, crop.height, size[0], size[1]
+            ));
+        }
+        self.view.check()?;
+        self.integrator.integrator()?;
+        self.integrator.material()?;
+        self.light.check(form == Form::Flat)?;
+        let format = self.format()?;
+        if format == Format::Exr && self.light.exposure != 0.0 {
+            return usage("--exposure is for .png: an .exr file has the light as it is");
+        }
+        Ok(format)
+    }
+
+    fn format(&self) -> Result<Format> {
+        let is = |ending: &str| {
+            let extension = self.output.extension();
+            extension.is_some_and(|e| e.eq_ignore_ascii_case(ending))
+        };
+        match (is("png"), is("exr")) {
+            (true, _) => Ok(Format::Png),
+            (_, true) => Ok(Format::Exr),
+            _ => usage(format!(
+                "{} ends neither in .png nor in .exr",
+                self.output.display()
+            )),
+        }
+    }
+
     fn size(&self) -> Result<[usize; 2]> {
         let size = match (self.size, self.width, self.height) {
             (Some(size), _, _) => size,
@@ -198,60 +217,32 @@ impl RenderArgs {
         Ok(size)
     }
 
-    fn shading(&self) -> Shading {
-        match self.shading {
-            None | Some(ShadingChoice::Geometric) => Shading::Geometric,
-            Some(ShadingChoice::Interpolated) => Shading::Interpolated,
-        }
-    }
-
-    fn background(&self) -> Background {
-        if self.transparent {
-            Background::Transparent
-        } else {
-            Background::default()
-        }
-    }
-
-    fn trace(
-        &self,
-        scene: &Scene,
-        [width, height]: [usize; 2],
-        console: &Console,
-    ) -> Result<(Film, RenderStats)> {
-        let lighting = self.light.lighting(self.view.up_axis.axis());
+    fn picture(&self, scene: &Scene) -> Result<Picture> {
+        let [width, height] = self.size()?;
+        let up = self.view.up_axis.axis();
+        let lighting = self.light.lighting(up, scene);
+        let ground = self.light.ground();
         let framing = Framing {
-            up: self.view.up_axis.axis(),
+            up,
             fov_degrees: self.view.fov,
             aspect: width as f64 / height as f64,
-            shadows_of: self.light.ground.then_some(lighting.towards_sun),
+            shadows_of: (ground == Ground::Plane).then_some(lighting.towards_sun),
         };
-        let picture = Picture {
+        Ok(Picture {
             width,
             height,
+            crop: self.crop,
             samples: self.samples,
+            seed: self.integrator.seed,
+            integrator: self.integrator.integrator()?,
             camera: self.view.camera(framing.camera(scene)),
             lighting,
+            material: self.integrator.material()?,
             albedo: self.light.albedo,
-            shading: self.shading(),
-            ground: if self.light.ground {
-                Ground::Plane
-            } else {
-                Ground::None
-            },
-        };
-        let camera = &picture.camera;
-        console.note(&format!(
-            "camera at {}, towards {}",
-            camera.eye, camera.target
-        ));
-        let bar = console.progress("rendering", 0);
-        let result = render(scene, &picture, &|_, tiles| {
-            bar.set_length(tiles as u64);
-            bar.inc(1);
-        });
-        bar.finish_and_clear();
-        Ok(result?)
+            shading: self.light.shading(),
+            ground,
+            show_sky: self.light.show_sky(),
+        })
     }
 
     fn tell(
@@ -277,7 +268,7 @@ impl RenderArgs {
 }
 
 impl ViewArgs {
-    /// Looks for a camera that sees nothing.
+    /// Refuses a camera that sees nothing.
     pub fn check(&self) -> Result<()> {
         if self.eye.is_some() && self.eye == self.target {
             return usage("the camera's --eye and --target are the same point");
@@ -295,19 +286,6 @@ impl ViewArgs {
             up: self.up.unwrap_or(framed.up),
             ..framed
         }
-    }
-}
-
-impl LightArgs {
-    pub fn lighting(&self, up: UpAxis) -> Lighting {
-        let mut lighting = Lighting::daylight(up);
-        if let Some(direction) = self.sun_direction {
-            lighting.towards_sun = direction.as_vec3().normalize();
-        }
-        lighting.sun *= self.sun;
-        lighting.sky.above *= self.sky;
-        lighting.sky.below *= self.sky;
-        lighting
     }
 }
 

@@ -5,10 +5,12 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use curvetri::curved::CurvedOptions;
-use curvetri::render::{Form, Shading};
+use curvetri::render::Form;
 use curvetri::surface::Surface;
 
-use super::super::render::{LightArgs, ViewArgs};
+use super::super::integrator::IntegratorArgs;
+use super::super::light::LightArgs;
+use super::super::render::ViewArgs;
 use super::super::surface::SurfaceArgs;
 use super::super::{usage, values};
 use super::measure::Contestant;
@@ -30,7 +32,7 @@ pub struct CompareArgs {
     pub reference: Vec<PathBuf>,
 
     /// What else to set beside them, as a list with commas
-    #[arg(long, value_name = "FORM,...", value_enum, value_delimiter = ',')]
+    #[arg(long, value_name = "FORM,...", value_enum, value_delimiter = ',', default_value = "paper")]
     pub also: Vec<AlsoChoice>,
 
     /// A page with pictures to slide over each other and all figures, in one file
@@ -63,6 +65,9 @@ pub struct CompareArgs {
     pub view: ViewArgs,
 
     #[command(flatten)]
+    pub integrator: IntegratorArgs,
+
+    #[command(flatten)]
     pub light: LightArgs,
 
     #[command(flatten)]
@@ -80,6 +85,10 @@ pub enum AlsoChoice {
     Tensor,
     /// As tensor, with tangent planes that agree across sides
     Smooth,
+    /// The paper's own: its surface, bounds and root finder
+    Paper,
+    /// Nothing
+    None,
 }
 
 /// The most pixels of a picture: what is kept of each of several pictures is some hundred bytes.
@@ -99,7 +108,9 @@ impl CompareArgs {
             Contestant::curved("curved", curved),
         ];
         for choice in &self.also {
-            let also = choice.contestant();
+            let Some(also) = choice.contestant() else {
+                continue;
+            };
             let same = |old: &Contestant| old.form == also.form && old.shading == also.shading;
             if !forms.iter().any(same) {
                 forms.push(also);
@@ -117,12 +128,18 @@ impl CompareArgs {
         if self.size[0] * self.size[1] > MOST_PIXELS {
             return usage(format!("a picture has at most {MOST_PIXELS} pixels"));
         }
+        if self.light.background() == Background::Transparent {
+            return usage("--transparent is for render: compared pictures have a background");
+        }
+        self.integrator.integrator()?;
+        self.integrator.material()?;
+        self.light.check(false)?;
         self.view.check()
     }
 }
 
 impl AlsoChoice {
-    fn contestant(self) -> Contestant {
+    fn contestant(self) -> Option<Contestant> {
         let curved = |name, surface| {
             let options = CurvedOptions {
                 surface,
@@ -130,12 +147,14 @@ impl AlsoChoice {
             };
             Contestant::curved(name, Form::Curved(options))
         };
-        match self {
+        Some(match self {
+            Self::None => return None,
+            Self::Paper => Contestant::curved("paper", Form::Curved(CurvedOptions::paper())),
             Self::Facets => Contestant::facets(),
             Self::Angular => curved("angular", Surface::Angular),
             Self::Tensor => curved("tensor", Surface::Tensor),
             Self::Smooth => curved("smooth", Surface::Smooth),
-        }
+        })
     }
 }
 

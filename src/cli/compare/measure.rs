@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 use curvetri::compare::View;
+use curvetri::curved::CurvedOptions;
 use curvetri::mesh::Mesh;
 use curvetri::render::{
     Background, Form, Framing, Ground, Picture, RenderStats, Scene, Shading, Times, render,
@@ -66,19 +67,24 @@ impl<'a> Bench<'a> {
         };
         let flat = scene(meshes, Form::Flat)?;
         let up = args.view.up_axis.axis();
-        let lighting = args.light.lighting(up);
+        let lighting = args.light.lighting(up, &flat);
+        let has_ground = args.light.ground() != Ground::None;
         let framing = Framing {
             up,
             fov_degrees: args.view.fov,
             aspect: width as f64 / height as f64,
-            shadows_of: args.light.ground.then_some(lighting.towards_sun),
+            shadows_of: has_ground.then_some(lighting.towards_sun),
         };
         let picture = Picture {
             samples: args.samples,
+            seed: args.integrator.seed,
+            integrator: args.integrator.integrator()?,
+            material: args.integrator.material()?,
+            show_sky: args.light.show_sky(),
             lighting,
             albedo: args.light.albedo,
-            ground: if args.light.ground {
-                Ground::under(&scene(lowest.0, lowest.1)?, &lighting)
+            ground: if has_ground {
+                Ground::under(&scene(lowest.0, lowest.1)?, lighting.sky.up)
             } else {
                 Ground::None
             },
@@ -192,6 +198,7 @@ impl Contestant {
     pub fn curved(name: &str, form: Form) -> Self {
         let surface = match form {
             Form::Flat => "flat",
+            Form::Curved(options) if options == CurvedOptions::paper() => "paper's own",
             Form::Curved(options) => options.surface.name(),
         };
         Self {

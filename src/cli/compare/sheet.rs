@@ -43,14 +43,9 @@ fn sheet(panels: &[&Shown]) -> RgbImage {
     let size = [panels.len() as u32 * step + GAP, STRIP + height + GAP];
     let mut sheet = RgbImage::from_pixel(size[0], size[1], PAPER);
     for (panel, x) in panels.iter().zip((GAP..).step_by(step as usize)) {
-        let title = if panel.key == panel.title {
-            panel.caption.trim_end_matches('.')
-        } else {
-            &panel.title
-        };
         label(
             &mut sheet,
-            title,
+            &panel.label,
             [x, (STRIP - HEIGHT.val() as u32) / 2],
             width,
         );

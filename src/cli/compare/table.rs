@@ -216,12 +216,15 @@ fn megabytes(bytes: u64) -> String {
     number(bytes as f64 * 1e-6)
 }
 
-/// Three digits, without an exponent.
+/// Three digits, as far as there are not more than six behind the point; without an exponent.
 pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
-    let decimals = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    if value.abs() < 0.000_001 {
+        return "<0.000001".into();
+    }
+    let decimals = (2.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize;
     let text = format!("{value:.decimals$}");
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -244,6 +247,8 @@ mod tests {
             (0.999_9, "1"),
             (0.001_234_5, "0.00123"),
             (100.0, "100"),
+            (0.000_012_34, "0.000012"),
+            (8e-7, "<0.000001"),
         ];
         for (value, text) in cases {
             assert_eq!(number(value), text);
