@@ -49,7 +49,7 @@ fn beside_a_fine_torus_the_curved_one_is_nearer_than_the_flat_one_by_every_measu
         .iter()
         .map(|form| form["name"].as_str().unwrap())
         .collect();
-    assert_eq!(names, ["flat", "curved", "reference"]);
+    assert_eq!(names, ["flat", "curved", "paper", "reference"]);
     // At least so many times nearer; the floor is the reference's own: its shadows' flat edges, and
     // the few samples along them.
     let gains = [
@@ -67,7 +67,7 @@ fn beside_a_fine_torus_the_curved_one_is_nearer_than_the_flat_one_by_every_measu
             "{measure}: curved {curved}, flat {flat}, wanted {gain} times"
         );
     }
-    assert!(figures["forms"][2]["apart"].is_null());
+    assert!(figures["forms"][3]["apart"].is_null());
     let [flat, curved] = [0, 1].map(|n| at(&figures, &format!("/forms/{n}/darkened/share")));
     assert!(
         flat > 0.01 && curved < 0.2 * flat,
@@ -157,6 +157,24 @@ fn without_a_reference_the_difference_is_told_and_no_error() {
     }
     assert_eq!(at(&figures, "/forms/0/over_flat/bytes"), 1.0);
     assert!(at(&figures, "/forms/1/bytes/records") > 0.0);
+}
+
+#[test]
+fn the_scene_of_the_shadow_terminator_shows_it() {
+    let shop = Workshop::new();
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/terminator.obj");
+    let sun = ["--up-axis", "z", "--sun-direction", "0.95,-0.2,0.24"];
+    let figures = figures(&shop, &[&[scene], &sun[..]].concat());
+    let share = at(&figures, "/forms/0/darkened/share");
+    assert!((0.02..0.1).contains(&share), "flat triangles darken {share}");
+    assert_eq!(figures["shadows_against"], "curved");
+    assert!(at(&figures, "/forms/2/darkened/share") < 1e-3, "the paper's surface");
+    let findings = figures["findings"].as_array().unwrap();
+    let told = findings.iter().find(|finding| {
+        let text = finding["text"].as_str().unwrap();
+        text.starts_with("Shadow terminator: flat triangles darken")
+    });
+    assert_eq!(told.unwrap()["favours"], "curved", "{findings:#?}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use curvetri::curved::CurvedOptions;
-use curvetri::render::Form;
+use curvetri::render::{Background, Form};
 use curvetri::surface::Surface;
 
 use super::super::integrator::IntegratorArgs;
@@ -32,7 +32,13 @@ pub struct CompareArgs {
     pub reference: Vec<PathBuf>,
 
     /// What else to set beside them, as a list with commas
-    #[arg(long, value_name = "FORM,...", value_enum, value_delimiter = ',', default_value = "paper")]
+    #[arg(
+        long,
+        value_name = "FORM,...",
+        value_enum,
+        value_delimiter = ',',
+        default_value = "paper"
+    )]
     pub also: Vec<AlsoChoice>,
 
     /// A page with pictures to slide over each other and all figures, in one file

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use curvetri::compare::{Apart, Darkened, darkened};
+use curvetri::compare::{Apart, darkened};
 use curvetri::render::Times;
 use serde::Serialize;
 
@@ -62,7 +62,15 @@ pub struct FormFigures {
     /// How far it is from the reference or, without one, from flat triangles.
     pub apart: Option<Apart>,
     /// Lit pixels that it darkens.
-    pub darkened: Darkened,
+    pub darkened: DarkenedFigures,
+}
+
+#[derive(Clone, Copy, Serialize)]
+pub struct DarkenedFigures {
+    pub lit: usize,
+    pub darkened: usize,
+    /// 0 to 1.
+    pub share: f64,
 }
 
 /// Medians over the runs.
@@ -163,13 +171,24 @@ impl FormFigures {
             evaluations_per_call: stats.evaluations_per_call(),
             over_flat: OverFlat::of(form, all.flat()),
             apart,
-            darkened: darkened(&form.view.probe, &all.truth().view.probe),
+            darkened: DarkenedFigures::of(form, all.truth()),
         }
     }
 
     /// Triangles of this kind.
     pub fn count(&self, kind: &str) -> usize {
         self.triangles.get(kind).copied().unwrap_or_default()
+    }
+}
+
+impl DarkenedFigures {
+    fn of(form: &Measured, truth: &Measured) -> Self {
+        let count = darkened(&form.view.probe, &truth.view.probe);
+        Self {
+            lit: count.lit,
+            darkened: count.darkened,
+            share: count.share(),
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! What the figures say, in words: what the curved surface gains over flat triangles, what it costs,
 //! and where flat triangles are better.
 
+use curvetri::compare::{Apart, Spread};
 use serde::Serialize;
 
 use super::figures::{Figures, FormFigures};
@@ -46,87 +47,63 @@ pub fn of(figures: &Figures) -> Vec<Finding> {
 
 /// How far either is from the reference.
 fn errors(flat: &FormFigures, curved: &FormFigures) -> Vec<Finding> {
-    let (Some(a), Some(b)) = (&flat.apart, &curved.apart) else {
+    let (Some(flat), Some(curved)) = (&flat.apart, &curved.apart) else {
         return Vec::new();
     };
-    let mut findings = vec![
-        nearer(
-            "Picture, by root mean square",
-            "of the whole scale",
-            100.0 * b.rmse,
-            100.0 * a.rmse,
-            "%",
+    let mean = |spread: fn(&Apart) -> Option<Spread>| {
+        [curved, flat].map(|apart| spread(apart).map(|spread| spread.mean))
+    };
+    let measures = [
+        (
+            "Picture, root mean square",
+            " %",
+            [curved, flat].map(|apart| Some(100.0 * apart.rmse)),
         ),
-        nearer(
+        (
             "Picture, as the eye sees it (FLIP, 0 to 1)",
             "",
-            b.flip,
-            a.flip,
-            "",
+            [curved, flat].map(|apart| Some(apart.flip)),
+        ),
+        ("Outline", " pixels on average", mean(|apart| apart.outline)),
+        (
+            "Normals that it is lit by",
+            " degrees on average",
+            mean(|apart| apart.shading_normal),
+        ),
+        (
+            "Normals of the geometry itself",
+            " degrees on average",
+            mean(|apart| apart.geometric_normal),
         ),
     ];
-    let mut add = |what, note, curved: Option<f64>, flat: Option<f64>, unit| {
-        if let (Some(curved), Some(flat)) = (curved, flat) {
-            findings.push(nearer(what, note, curved, flat, unit));
-        }
-    };
-    let mean = |spread: Option<curvetri::compare::Spread>| spread.map(|spread| spread.mean);
-    add(
-        "Outline",
-        "on average",
-        mean(b.outline),
-        mean(a.outline),
-        "pixels",
-    );
-    add(
-        "Normals for shading",
-        "on average",
-        mean(b.shading_normal),
-        mean(a.shading_normal),
-        "degrees",
-    );
-    add(
-        "Normals of the geometry itself",
-        "on average",
-        mean(b.geometric_normal),
-        mean(a.geometric_normal),
-        "degrees",
-    );
-    findings
+    let errors = measures.into_iter();
+    errors
+        .filter_map(|(what, unit, [curved, flat])| Some(nearer(what, unit, curved?, flat?)))
+        .collect()
 }
 
 /// Which of two errors is the smaller, and how much.
-fn nearer(what: &str, note: &str, curved: f64, flat: f64, unit: &str) -> Finding {
-    let [c, f] = [curved, flat].map(number);
-    let unit = [unit, note]
-        .iter()
-        .filter(|w| !w.is_empty())
-        .fold(String::new(), |all, w| all + " " + w);
-    let gap = |near: f64, far: f64| {
+fn nearer(what: &str, unit: &str, curved: f64, flat: f64) -> Finding {
+    let smaller = |near: f64, far: f64| {
         if near > 0.0 {
-            format!("{} times as near", number(far / near))
+            format!("{} times smaller for", number(far / near))
         } else {
-            "exact".to_owned()
+            "nothing for".to_owned()
         }
     };
     let (favours, verdict) = if flat > ALIKE * curved {
-        (
-            Favours::Curved,
-            format!("the curved surface is {}", gap(curved, flat)),
-        )
+        let smaller = smaller(curved, flat);
+        (Favours::Curved, format!("{smaller} the curved surface"))
     } else if curved > ALIKE * flat {
-        (
-            Favours::Flat,
-            format!("flat triangles are {}", gap(flat, curved)),
-        )
+        let smaller = smaller(flat, curved);
+        (Favours::Flat, format!("{smaller} flat triangles"))
     } else {
         (Favours::Neither, "about the same".to_owned())
     };
+    let [curved, flat] = [curved, flat].map(number);
     Finding {
         favours,
-        text: format!(
-            "{what}: the curved surface is {c} off the reference, flat triangles {f}{unit}: {verdict}."
-        ),
+        text: format!("{what}: the error is {verdict} (curved {curved}, flat {flat}{unit})."),
     }
 }
 
@@ -159,7 +136,7 @@ fn terminator(figures: &Figures) -> Option<Finding> {
     if flat.lit == 0 {
         return None;
     }
-    let [f, c] = [flat, curved].map(|darkened| number(100.0 * darkened.share()));
+    let [f, c] = [flat, curved].map(|darkened| number(100.0 * darkened.share));
     let truth = match figures.reference() {
         Some(_) => format!("; the curved surface {c} %"),
         None => " on the curved surface".to_owned(),
@@ -270,24 +247,24 @@ mod tests {
 
     #[test]
     fn whoever_is_nearer_is_said_to_be() {
-        let of = |curved, flat| nearer("Outline", "on average", curved, flat, "pixels");
+        let of = |curved, flat| nearer("Outline", " pixels on average", curved, flat);
         let gain = of(0.1, 1.5);
         assert_eq!(gain.favours, Favours::Curved);
         assert_eq!(
             gain.text,
-            "Outline: the curved surface is 0.1 off the reference, flat triangles 1.5 pixels on \
-             average: the curved surface is 15 times as near."
+            "Outline: the error is 15 times smaller for the curved surface (curved 0.1, flat 1.5 \
+             pixels on average)."
         );
         let loss = of(0.4, 0.2);
         assert_eq!(loss.favours, Favours::Flat);
         assert!(
-            loss.text.ends_with("flat triangles are 2 times as near."),
+            loss.text.contains("2 times smaller for flat triangles"),
             "{}",
             loss.text
         );
         assert_eq!(of(0.2, 0.201).favours, Favours::Neither);
         assert_eq!(of(0.0, 0.0).favours, Favours::Neither);
-        assert!(of(0.0, 0.3).text.ends_with("the curved surface is exact."));
+        assert!(of(0.0, 0.3).text.contains("nothing for the curved surface"));
     }
 
     #[test]

@@ -36,19 +36,16 @@ pub fn write(pictures: &Pictures, out: impl Write) -> io::Result<()> {
         })
 }
 
-/// The pictures, all of the same size, with their titles above.
+/// The pictures, all of the same size, each under the beginning of its caption.
 fn sheet(panels: &[&Shown]) -> RgbImage {
     let (width, height) = panels[0].image.dimensions();
     let step = width + GAP;
     let size = [panels.len() as u32 * step + GAP, STRIP + height + GAP];
     let mut sheet = RgbImage::from_pixel(size[0], size[1], PAPER);
     for (panel, x) in panels.iter().zip((GAP..).step_by(step as usize)) {
-        label(
-            &mut sheet,
-            &panel.label,
-            [x, (STRIP - HEIGHT.val() as u32) / 2],
-            width,
-        );
+        let heading = panel.caption.split(['.', ':']).next();
+        let top = (STRIP - HEIGHT.val() as u32) / 2;
+        label(&mut sheet, heading.unwrap_or_default(), [x, top], width);
         imageops::replace(&mut sheet, &panel.image, x.into(), STRIP.into());
     }
     sheet
@@ -82,8 +79,8 @@ mod tests {
     fn shown(key: &str, color: [u8; 3], width: u32) -> Shown {
         Shown {
             key: key.into(),
-            title: "a title".into(),
-            caption: String::new(),
+            title: String::new(),
+            caption: "A title: and more.".into(),
             image: RgbImage::from_pixel(width, 20, Rgb(color)),
         }
     }

@@ -188,7 +188,7 @@ fn shadows(figures: &Figures) -> Table {
                 cell(form, form.darkened.darkened.to_string())
             }),
             rows.row("darkened", "%", |form| {
-                cell(form, number(100.0 * form.darkened.share()))
+                cell(form, number(100.0 * form.darkened.share))
             }),
         ],
     }
