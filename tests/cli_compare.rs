@@ -166,9 +166,15 @@ fn the_scene_of_the_shadow_terminator_shows_it() {
     let sun = ["--up-axis", "z", "--sun-direction", "0.95,-0.2,0.24"];
     let figures = figures(&shop, &[&[scene], &sun[..]].concat());
     let share = at(&figures, "/forms/0/darkened/share");
-    assert!((0.02..0.1).contains(&share), "flat triangles darken {share}");
+    assert!(
+        (0.02..0.1).contains(&share),
+        "flat triangles darken {share}"
+    );
     assert_eq!(figures["shadows_against"], "curved");
-    assert!(at(&figures, "/forms/2/darkened/share") < 1e-3, "the paper's surface");
+    assert!(
+        at(&figures, "/forms/2/darkened/share") < 1e-3,
+        "the paper's surface"
+    );
     let findings = figures["findings"].as_array().unwrap();
     let told = findings.iter().find(|finding| {
         let text = finding["text"].as_str().unwrap();

@@ -25,7 +25,8 @@ pub struct Figures {
     pub errors_against: &'static str,
     /// Flat first, then curved; the reference last.
     pub forms: Vec<FormFigures>,
-    /// What they say, in words.
+    /// What they say, in words: first in one sentence, then one by one.
+    pub summary: String,
     pub findings: Vec<Finding>,
 }
 
@@ -134,8 +135,10 @@ impl Figures {
             forms: forms
                 .map(|(form, apart)| FormFigures::of(form, all, apart.clone()))
                 .collect(),
+            summary: String::new(),
             findings: Vec::new(),
         };
+        figures.summary = findings::summary(&figures);
         figures.findings = findings::of(&figures);
         figures
     }

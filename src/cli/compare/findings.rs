@@ -45,6 +45,54 @@ pub fn of(figures: &Figures) -> Vec<Finding> {
     findings
 }
 
+/// The shortest answer.
+pub fn summary(figures: &Figures) -> String {
+    let (flat, curved) = (figures.flat(), figures.curved());
+    let cost = format!(
+        "For {} times the rendering time and {} times the memory of flat triangles",
+        number(curved.over_flat.render),
+        number(curved.over_flat.bytes)
+    );
+    let outline = |apart: &Apart| apart.outline.map(|outline| outline.mean);
+    let gain = match (&flat.apart, &curved.apart) {
+        (Some(flat), Some(curved)) => {
+            let flip = change(curved.flip, flat.flip);
+            let outline = outline(curved).zip(outline(flat));
+            let outline = outline.map(|(curved, flat)| change(curved, flat));
+            let outline = outline.map_or(String::new(), |outline| {
+                format!(" and the outline's {outline}")
+            });
+            format!("the error of the picture as the eye sees it is {flip}{outline}")
+        }
+        (None, Some(apart)) => {
+            let outline = outline(apart).map_or(String::new(), |pixels| {
+                format!(" and the outline by {} pixels on average", number(pixels))
+            });
+            format!(
+                "the picture changes by {} as the eye sees it (FLIP, 0 to 1){outline}",
+                number(apart.flip)
+            )
+        }
+        _ => return cost + ".",
+    };
+    format!("{cost}, {gain}.")
+}
+
+/// How an error changes from flat triangles to the curved surface.
+fn change(curved: f64, flat: f64) -> String {
+    if curved == 0.0 && flat > 0.0 {
+        "gone".into()
+    } else if flat > ALIKE * curved {
+        format!("{} times smaller", number(flat / curved))
+    } else if flat == 0.0 && curved > 0.0 {
+        "there, where it was none".into()
+    } else if curved > ALIKE * flat {
+        format!("{} times greater", number(curved / flat))
+    } else {
+        "about the same".into()
+    }
+}
+
 /// How far either is from the reference.
 fn errors(flat: &FormFigures, curved: &FormFigures) -> Vec<Finding> {
     let (Some(flat), Some(curved)) = (&flat.apart, &curved.apart) else {
@@ -265,6 +313,30 @@ mod tests {
         assert_eq!(of(0.2, 0.201).favours, Favours::Neither);
         assert_eq!(of(0.0, 0.0).favours, Favours::Neither);
         assert!(of(0.0, 0.3).text.contains("nothing for the curved surface"));
+    }
+
+    #[test]
+    fn errors_shrink_or_grow() {
+        let changes = [
+            (0.1, 0.4),
+            (0.4, 0.1),
+            (0.1, 0.1),
+            (0.0, 0.1),
+            (0.1, 0.0),
+            (0.0, 0.0),
+        ];
+        let words = changes.map(|(curved, flat)| change(curved, flat));
+        assert_eq!(
+            words,
+            [
+                "4 times smaller",
+                "4 times greater",
+                "about the same",
+                "gone",
+                "there, where it was none",
+                "about the same"
+            ]
+        );
     }
 
     #[test]

@@ -68,6 +68,7 @@ pub fn text(figures: &Figures) -> String {
         }
         line("", &[]);
     }
+    let _ = writeln!(text, "{}\n", figures.summary);
     for finding in &figures.findings {
         let _ = writeln!(text, "- {}", finding.text);
     }
@@ -140,7 +141,10 @@ fn errors(figures: &Figures) -> Table {
         })
     };
     let (title, note) = match figures.reference() {
-        Some(_) => ("Error", "How far each is from the reference."),
+        Some(_) => (
+            "Error",
+            "How far each is from the reference. What is smaller than its facets it cannot tell.",
+        ),
         None => (
             "Difference",
             "How far each is from flat triangles; which is right, a reference tells.",
