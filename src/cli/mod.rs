@@ -7,11 +7,13 @@ mod console;
 mod inspect;
 mod integrator;
 mod light;
+mod paint;
 mod render;
 mod stats;
 mod surface;
 mod trace;
 mod values;
+mod view;
 
 use std::fmt;
 use std::io::{self, Write};

@@ -4,19 +4,18 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use curvetri::embree::Device;
-use curvetri::mesh::Mesh;
+use curvetri::mesh::Scenery;
 use curvetri::render::{
-    Aovs, Camera, Crop, Film, Form, Framing, Ground, OutputFile, Picture, RenderStats, Scene,
-    UpAxis, aovs, render,
+    Aovs, Crop, Film, Form, Ground, OutputFile, Picture, RenderStats, Scene, aovs, render,
 };
-use glam::DVec3;
 
 use super::console::Console;
 use super::integrator::IntegratorArgs;
 use super::light::LightArgs;
 use super::surface::SurfaceArgs;
+use super::view::ViewArgs;
 use super::{console, device, on_threads, stats, usage, values};
 
 /// The most pixels of a picture: four gigabytes of film.
@@ -80,36 +79,6 @@ pub struct RenderArgs {
     surface: SurfaceArgs,
 }
 
-#[derive(Args)]
-#[command(next_help_heading = "Camera")]
-pub struct ViewArgs {
-    /// Which axis of the meshes points up
-    #[arg(long, value_enum, default_value_t = UpChoice::Y)]
-    pub up_axis: UpChoice,
-
-    /// Where the camera is [default: in front, above, a little to the right, as near as shows all]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
-    eye: Option<DVec3>,
-
-    /// The point in the picture's middle [default: the middle of the meshes' bounds]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
-    target: Option<DVec3>,
-
-    /// Upwards in the picture [default: the up axis]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
-    up: Option<DVec3>,
-
-    /// The angle that the picture's height covers
-    #[arg(long, value_name = "DEGREES", default_value = "35", value_parser = values::fov)]
-    pub fov: f64,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum UpChoice {
-    Y,
-    Z,
-}
-
 /// What a picture is written as, by its file's ending.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Format {
@@ -124,17 +93,14 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let device = device(args.threads)?;
     let (film, stats) = on_threads(args.threads, || {
         let start = Instant::now();
-        let meshes: Result<Vec<Mesh>> = args
-            .meshes
-            .iter()
-            .map(|path| args.surface.load(path, console))
-            .collect();
-        let (meshes, load) = (meshes?, start.elapsed());
+        let (meshes, scenery) = args.surface.load_all(&args.meshes, console)?;
+        let load = start.elapsed();
+        args.view.file_camera(&scenery.cameras)?;
         let output = OutputFile::create(&args.output)?;
         let bar = console.spinner("building");
         let scene = Scene::new(&device, meshes, form).context("cannot build the scene")?;
         bar.finish_and_clear();
-        let picture = args.picture(&scene)?;
+        let picture = args.picture(&scene, &scenery)?;
         let (film, mut stats) = traced(&scene, &picture, console)?;
         stats.times.load = load;
         match format {
@@ -217,17 +183,12 @@ impl RenderArgs {
         Ok(size)
     }
 
-    fn picture(&self, scene: &Scene) -> Result<Picture> {
+    fn picture(&self, scene: &Scene, scenery: &Scenery) -> Result<Picture> {
         let [width, height] = self.size()?;
-        let up = self.view.up_axis.axis();
-        let lighting = self.light.lighting(up, scene);
+        let lighting = (self.light).lighting(self.view.up(), scene, &scenery.suns);
         let ground = self.light.ground();
-        let framing = Framing {
-            up,
-            fov_degrees: self.view.fov,
-            aspect: width as f64 / height as f64,
-            shadows_of: (ground == Ground::Plane).then_some(lighting.towards_sun),
-        };
+        let shadows_of = (ground == Ground::Plane).then_some(lighting.towards_sun);
+        let aspect = width as f64 / height as f64;
         Ok(Picture {
             width,
             height,
@@ -235,7 +196,7 @@ impl RenderArgs {
             samples: self.samples,
             seed: self.integrator.seed,
             integrator: self.integrator.integrator()?,
-            camera: self.view.camera(framing.camera(scene)),
+            camera: (self.view).camera(scene, &scenery.cameras, aspect, shadows_of)?,
             lighting,
             material: self.integrator.material()?,
             albedo: self.light.albedo,
@@ -263,37 +224,6 @@ impl RenderArgs {
             (_, true) => console::print(&stats::json(stats, device)),
             (true, false) => console::print(&stats::text(stats, device)),
             (false, false) => Ok(()),
-        }
-    }
-}
-
-impl ViewArgs {
-    /// Refuses a camera that sees nothing.
-    pub fn check(&self) -> Result<()> {
-        if self.eye.is_some() && self.eye == self.target {
-            return usage("the camera's --eye and --target are the same point");
-        }
-        Ok(())
-    }
-
-    /// The camera as asked for, and where nothing is asked for as it framed the scene.
-    pub fn camera(&self, framed: Camera) -> Camera {
-        let target = self.target.unwrap_or(framed.target);
-        Camera {
-            // A target of its own moves the framing camera along.
-            eye: self.eye.unwrap_or(framed.eye + target - framed.target),
-            target,
-            up: self.up.unwrap_or(framed.up),
-            ..framed
-        }
-    }
-}
-
-impl UpChoice {
-    pub fn axis(self) -> UpAxis {
-        match self {
-            Self::Y => UpAxis::Y,
-            Self::Z => UpAxis::Z,
         }
     }
 }

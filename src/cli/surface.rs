@@ -1,11 +1,11 @@
 //! The options that say what a mesh's triangles stand for, the same for all commands.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use curvetri::curved::{CurvedOptions, Primitives};
-use curvetri::mesh::{self, LoadOptions, Loaded, Mesh, NormalsPolicy};
+use curvetri::mesh::{self, LoadOptions, Loaded, Mesh, NormalsPolicy, Scenery};
 use curvetri::render::Form;
 use curvetri::surface::{BoundsKind, Solver, Surface};
 
@@ -181,12 +181,24 @@ impl SurfaceArgs {
     }
 
     /// Reads a mesh and tells what was odd about it.
-    pub fn load(&self, path: &Path, console: &Console) -> Result<Mesh> {
+    pub fn load(&self, path: &Path, console: &Console) -> Result<Loaded> {
         let loaded = self.read(path, console)?;
         for warning in &loaded.report.warnings {
             console.warn(&format!("{}: {warning}", path.display()));
         }
-        Ok(loaded.mesh)
+        Ok(loaded)
+    }
+
+    /// Reads meshes, and what else their files have; tells what was odd.
+    pub fn load_all(&self, paths: &[PathBuf], console: &Console) -> Result<(Vec<Mesh>, Scenery)> {
+        let (mut meshes, mut scenery) = (Vec::new(), Scenery::default());
+        for path in paths {
+            let loaded = self.load(path, console)?;
+            meshes.push(loaded.mesh);
+            scenery.cameras.extend(loaded.scenery.cameras);
+            scenery.suns.extend(loaded.scenery.suns);
+        }
+        Ok((meshes, scenery))
     }
 
     /// Reads a mesh, with what was odd about it.
@@ -199,8 +211,9 @@ impl SurfaceArgs {
                 NormalsChoice::Auto => NormalsPolicy::Auto,
             },
         };
-        let bar = console.spinner("reading");
-        let loaded = mesh::load(path, &options)?;
+        let bar = console.progress("reading", 1000);
+        let told = |share| bar.set_position((1000.0 * share) as u64);
+        let loaded = mesh::load_watched(path, &options, &told)?;
         bar.finish_and_clear();
         console.note(&format!(
             "{}: {} triangles, {} vertices",

@@ -10,8 +10,8 @@ use curvetri::surface::Surface;
 
 use super::super::integrator::IntegratorArgs;
 use super::super::light::LightArgs;
-use super::super::render::ViewArgs;
 use super::super::surface::SurfaceArgs;
+use super::super::view::ViewArgs;
 use super::super::{usage, values};
 use super::measure::Contestant;
 

@@ -7,7 +7,7 @@ use curvetri::compare::View;
 use curvetri::curved::CurvedOptions;
 use curvetri::mesh::Mesh;
 use curvetri::render::{
-    Background, Form, Framing, Ground, Picture, RenderStats, Scene, Shading, Times, render,
+    Background, Form, Ground, Picture, RenderStats, Scene, Shading, Times, render,
 };
 
 use super::super::console::Console;
@@ -58,23 +58,20 @@ struct Progress<'a> {
 impl<'a> Bench<'a> {
     /// Places the camera so that these meshes are seen, and the ground under `lowest`: the same for
     /// all, as the form that stands for the truth has it.
-    pub fn new(args: &'a CompareArgs, meshes: &[Mesh], lowest: (&[Mesh], Form)) -> Result<Self> {
+    pub fn new(args: &'a CompareArgs, meshes: &Loaded, lowest: (&Loaded, Form)) -> Result<Self> {
         let [width, height] = args.size;
         let device = device(args.threads)?;
-        let scene = |meshes: &[Mesh], form| {
-            let scene = Scene::new(&device, meshes.to_vec(), form);
+        let scene = |loaded: &Loaded, form| {
+            let scene = Scene::new(&device, loaded.meshes.clone(), form);
             scene.context("cannot build the scene")
         };
         let flat = scene(meshes, Form::Flat)?;
-        let up = args.view.up_axis.axis();
-        let lighting = args.light.lighting(up, &flat);
+        let up = args.view.up();
+        let lighting = args.light.lighting(up, &flat, &meshes.scenery.suns);
         let has_ground = args.light.ground() != Ground::None;
-        let framing = Framing {
-            up,
-            fov_degrees: args.view.fov,
-            aspect: width as f64 / height as f64,
-            shadows_of: has_ground.then_some(lighting.towards_sun),
-        };
+        let shadows_of = has_ground.then_some(lighting.towards_sun);
+        let (cameras, aspect) = (&meshes.scenery.cameras, width as f64 / height as f64);
+        let camera = args.view.camera(&flat, cameras, aspect, shadows_of)?;
         let picture = Picture {
             samples: args.samples,
             seed: args.integrator.seed,
@@ -88,7 +85,7 @@ impl<'a> Bench<'a> {
             } else {
                 Ground::None
             },
-            ..Picture::new(width, height, args.view.camera(framing.camera(&flat)), up)
+            ..Picture::new(width, height, camera, up)
         };
         // The first picture of all also starts threads and fetches code: it is not measured.
         let small = Picture {

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use curvetri::mesh::{Bounds, Mesh};
+use curvetri::mesh::{Bounds, Mesh, Scenery};
 use curvetri::render::{Form, OutputFile};
 
 pub use args::CompareArgs;
@@ -27,6 +27,7 @@ use super::on_threads;
 /// Meshes that were read, and how long that took.
 struct Loaded {
     meshes: Vec<Mesh>,
+    scenery: Scenery,
     time: Duration,
 }
 
@@ -66,10 +67,10 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<()> {
         let sheet = OutputFile::create(&args.output)?;
         let report = args.report.as_ref().map(OutputFile::create).transpose()?;
         let lowest = match &reference {
-            Some(fine) => (&fine.meshes[..], Form::Flat),
-            None => (&loaded.meshes[..], forms[1].form),
+            Some(fine) => (fine, Form::Flat),
+            None => (&loaded, forms[1].form),
         };
-        let bench = Bench::new(args, &loaded.meshes, lowest)?;
+        let bench = Bench::new(args, &loaded, lowest)?;
         let (forms, reference) = bench.measure(forms, &loaded, reference.as_ref(), console)?;
         let measurements = Measurements { forms, reference };
         let bar = console.spinner("comparing");
@@ -93,12 +94,10 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<()> {
 impl CompareArgs {
     fn load(&self, paths: &[PathBuf], console: &Console) -> Result<Loaded> {
         let start = Instant::now();
-        let meshes: Result<Vec<Mesh>> = paths
-            .iter()
-            .map(|path| self.surface.load(path, console))
-            .collect();
+        let (meshes, scenery) = self.surface.load_all(paths, console)?;
         Ok(Loaded {
-            meshes: meshes?,
+            meshes,
+            scenery,
             time: start.elapsed(),
         })
     }
