@@ -156,7 +156,7 @@ fn the_report_fits_a_narrow_window_and_goes_dark() {
     let wide = "document.getElementById('stage').getBoundingClientRect().width";
     let wide = browser.value(wide).as_f64().unwrap();
     assert!((250.0..345.0).contains(&wide), "the picture is {wide} wide");
-    let mut brightness = |scheme: &str| {
+    let brightness = |scheme: &str| {
         let features = json!([{ "name": "prefers-color-scheme", "value": scheme }]);
         browser.call(
             "Emulation.setEmulatedMedia",
@@ -170,6 +170,6 @@ fn the_report_fits_a_narrow_window_and_goes_dark() {
             .collect();
         digits.iter().sum::<u32>()
     };
-    let [light, dark] = ["light", "dark"].map(|scheme| brightness(scheme));
+    let [light, dark] = ["light", "dark"].map(brightness);
     assert!(light > 600 && dark < 150, "{light} {dark}");
 }
