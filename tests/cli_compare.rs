@@ -256,6 +256,21 @@ fn a_reference_that_can_hardly_be_one_is_told() {
 }
 
 #[test]
+fn a_camera_that_looks_elsewhere_is_told_and_nothing_differs() {
+    let shop = Workshop::new();
+    let mesh = shop.sphere("ball.obj");
+    let away = ["--eye", "0,0,9", "--target", "0,0,99", "--also", "none"];
+    let args = ["compare", &mesh, "-o", &shop.path("a.png"), "--json"];
+    let output = shop.succeeds(&[&args[..], &SMALL, &away].concat());
+    let said = stderr(&output);
+    assert!(said.contains("sees nothing"), "{said}");
+    let figures: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let apart = &figures["forms"][1]["apart"];
+    assert_eq!(at(apart, "/rmse"), 0.0);
+    assert!(apart["outline"].is_null() && apart["shading_normal"].is_null());
+}
+
+#[test]
 fn the_report_holds_everything_and_escapes_names() {
     let shop = Workshop::new();
     let mesh = shop.sphere("a<b>&\"c'.obj");

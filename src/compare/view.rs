@@ -74,6 +74,11 @@ impl View {
         })
     }
 
+    /// Whether no pixel's middle shows a surface.
+    pub fn is_empty(&self) -> bool {
+        self.probe.seen().iter().all(Option::is_none)
+    }
+
     /// How far this view is from the true one.
     ///
     /// # Panics

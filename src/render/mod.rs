@@ -34,6 +34,7 @@ pub use batch::{
     answer_occluded, answer_rays,
 };
 pub use bsdf::Material;
+#[cfg(feature = "compare")]
 pub(crate) use camera::Lens;
 pub use camera::{Camera, CameraError, UpAxis};
 pub use film::{Background, Film};

@@ -173,10 +173,21 @@ fn differences(curved: &FormFigures) -> Vec<Finding> {
         );
     }
     text += ". Which is nearer to the true surface only a finer mesh of the same body can tell: --reference.";
-    vec![Finding {
-        favours: Favours::Neither,
-        text,
-    }]
+    let mut texts = vec![text];
+    texts.extend(apart.shading_normal.map(|normals| {
+        format!(
+            "The normals that they are lit by differ by {} degrees on average. Where a mesh is rough, the \
+             curved surface shows bumps that interpolated normals hide.",
+            number(normals.mean)
+        )
+    }));
+    let texts = texts.into_iter();
+    texts
+        .map(|text| Finding {
+            favours: Favours::Neither,
+            text,
+        })
+        .collect()
 }
 
 fn terminator(figures: &Figures) -> Option<Finding> {

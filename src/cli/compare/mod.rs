@@ -73,6 +73,9 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<()> {
         let bench = Bench::new(args, &loaded, lowest)?;
         let (forms, reference) = bench.measure(forms, &loaded, reference.as_ref(), console)?;
         let measurements = Measurements { forms, reference };
+        if measurements.all().all(|form| form.view.is_empty()) {
+            console.warn("the camera sees nothing of the meshes: all pictures are the same");
+        }
         let bar = console.spinner("comparing");
         let pictures = Pictures::of(&measurements);
         let figures = Figures::of(args, &measurements, &pictures, bench.embree());
