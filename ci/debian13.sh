@@ -18,7 +18,7 @@ set -euo pipefail
 checkout=$(cd "$(dirname "$0")/.." && pwd -P)
 root=${CURVETRI_DEBIAN13:-${XDG_CACHE_HOME:-$HOME/.cache}/curvetri/debian13}
 target=${DEBIAN13_TARGET:-$checkout/target-debian13}
-packages="libembree-dev libclang-dev gcc libc6-dev ca-certificates"
+packages="libembree-dev libclang-dev gcc g++ libc6-dev ca-certificates"
 [ $# -gt 0 ] || set -- cargo test --locked
 
 fail() { echo "ci/debian13.sh: $*" >&2; exit 1; }

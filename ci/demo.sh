@@ -1,6 +1,6 @@
 #!/bin/bash
 # Renders the demonstration's pictures into a directory: the paper's Figure 2, and every mesh of
-# scenes/, flat and curved.
+# scenes/, flat and curved; and compares flat with curved where shadows end.
 #
 #   ci/demo.sh OUT      after cargo build --release
 set -euo pipefail
@@ -20,6 +20,8 @@ for mesh in "${scenes[@]}"; do
             --up-axis z --ground
     done
 done
+"$program" compare scenes/terminator.obj -o "$out/compare.png" --report "$out/compare.html" \
+    --up-axis z --sun-direction 0.95,-0.2,0.24 --size 640x480 >/dev/null
 "${CARGO:-cargo}" run --release --locked -q --example figure_2 -- "$out/figure_2.png" >/dev/null
 echo "The pictures are in $out/:"
-(cd "$out" && printf '  %s\n' *.png)
+(cd "$out" && printf '  %s\n' *.png *.html)

@@ -12,11 +12,14 @@
 //! | [`curved`] | a mesh as one Embree user geometry of curved triangles |
 //! | [`accuracy`] | how far the surfaces are from bodies' true ones: the paper's Table 1 |
 //! | [`render`] | cameras, lights, film: pictures |
+//! | `compare` | how far two forms' pictures, outlines and normals are apart (feature `compare`) |
 
 #![deny(missing_docs)]
 
 pub mod accuracy;
 pub mod bodies;
+#[cfg(feature = "compare")]
+pub mod compare;
 pub mod curved;
 pub mod embree;
 pub mod mesh;

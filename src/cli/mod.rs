@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod accuracy_report;
+mod compare;
 mod console;
 mod inspect;
 mod integrator;
@@ -12,6 +13,7 @@ mod stats;
 mod surface;
 mod trace;
 mod values;
+mod view;
 
 use std::fmt;
 use std::io::{self, Write};
@@ -52,6 +54,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(Box<render::RenderArgs>),
+    Compare(Box<compare::CompareArgs>),
     Trace(trace::TraceArgs),
     Accuracy(accuracy::AccuracyArgs),
     Inspect(inspect::InspectArgs),
@@ -94,6 +97,7 @@ fn run(cli: &Cli) -> Result<()> {
     match &cli.command {
         _ if cli.version => print_version(),
         Some(Command::Render(args)) => render::run(args, &console),
+        Some(Command::Compare(args)) => compare::run(args, &console),
         Some(Command::Trace(args)) => trace::run(args, &console),
         Some(Command::Accuracy(args)) => accuracy::run(args, &console),
         Some(Command::Inspect(args)) => inspect::run(args, &console),

@@ -6,22 +6,17 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use clap::Args;
 use curvetri::embree::Device;
-use curvetri::mesh::{FileCamera, Scenery};
+use curvetri::mesh::Scenery;
 use curvetri::render::{
-    Aovs, Camera, Crop, Film, Form, Framing, Ground, OutputFile, Picture, RenderStats, Scene, aovs,
-    render,
+    Aovs, Crop, Film, Form, Ground, OutputFile, Picture, RenderStats, Scene, aovs, render,
 };
-use glam::DVec3;
 
 use super::console::Console;
 use super::integrator::IntegratorArgs;
 use super::light::LightArgs;
 use super::surface::SurfaceArgs;
-use super::values::UpChoice;
+use super::view::ViewArgs;
 use super::{console, device, on_threads, stats, usage, values};
-
-/// The angle that the picture's height covers where nothing says it, in degrees.
-const DEFAULT_FOV: f64 = 35.0;
 
 /// The most pixels of a picture: four gigabytes of film.
 const MOST_PIXELS: usize = 1 << 28;
@@ -84,35 +79,6 @@ pub struct RenderArgs {
     surface: SurfaceArgs,
 }
 
-#[derive(Args)]
-#[command(next_help_heading = "Camera")]
-struct ViewArgs {
-    /// Which axis of the meshes points up
-    #[arg(long, value_enum, default_value_t = UpChoice::Y)]
-    up_axis: UpChoice,
-
-    /// A camera of the files, by its name or number (the first is 0), or none [default: the first,
-    /// where no --eye, --target or --up is given]
-    #[arg(long, value_name = "NAME|N|none")]
-    camera: Option<String>,
-
-    /// Where the camera is [default: in front, above, a little to the right, as near as shows all]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
-    eye: Option<DVec3>,
-
-    /// The point in the picture's middle [default: the middle of the meshes' bounds]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
-    target: Option<DVec3>,
-
-    /// Upwards in the picture [default: the up axis]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
-    up: Option<DVec3>,
-
-    /// The angle that the picture's height covers [default: that of the file's camera, or 35]
-    #[arg(long, value_name = "DEGREES", value_parser = values::fov)]
-    fov: Option<f64>,
-}
-
 /// What a picture is written as, by its file's ending.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Format {
@@ -127,13 +93,7 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let device = device(args.threads)?;
     let (film, stats) = on_threads(args.threads, || {
         let start = Instant::now();
-        let (mut meshes, mut scenery) = (Vec::new(), Scenery::default());
-        for path in &args.meshes {
-            let loaded = args.surface.load(path, console)?;
-            meshes.push(loaded.mesh);
-            scenery.cameras.extend(loaded.scenery.cameras);
-            scenery.suns.extend(loaded.scenery.suns);
-        }
+        let (meshes, scenery) = args.surface.load_all(&args.meshes, console)?;
         let load = start.elapsed();
         args.view.file_camera(&scenery.cameras)?;
         let output = OutputFile::create(&args.output)?;
@@ -183,10 +143,7 @@ impl RenderArgs {
                 crop.x, crop.y, crop.width, crop.height, size[0], size[1]
             ));
         }
-        let view = &self.view;
-        if view.eye.is_some() && view.eye == view.target {
-            return usage("the camera's --eye and --target are the same point");
-        }
+        self.view.check()?;
         self.integrator.integrator()?;
         self.integrator.material()?;
         self.light.check(form == Form::Flat)?;
@@ -228,15 +185,10 @@ impl RenderArgs {
 
     fn picture(&self, scene: &Scene, scenery: &Scenery) -> Result<Picture> {
         let [width, height] = self.size()?;
-        let up = self.view.up_axis.axis();
-        let lighting = self.light.lighting(up, scene, &scenery.suns);
+        let lighting = (self.light).lighting(self.view.up(), scene, &scenery.suns);
         let ground = self.light.ground();
-        let framing = Framing {
-            up,
-            fov_degrees: self.view.fov.unwrap_or(DEFAULT_FOV),
-            aspect: width as f64 / height as f64,
-            shadows_of: (ground == Ground::Plane).then_some(lighting.towards_sun),
-        };
+        let shadows_of = (ground == Ground::Plane).then_some(lighting.towards_sun);
+        let aspect = width as f64 / height as f64;
         Ok(Picture {
             width,
             height,
@@ -244,10 +196,7 @@ impl RenderArgs {
             samples: self.samples,
             seed: self.integrator.seed,
             integrator: self.integrator.integrator()?,
-            camera: match self.view.file_camera(&scenery.cameras)? {
-                Some(camera) => self.view.camera(from_file(camera)),
-                None => self.view.camera(framing.camera(scene)),
-            },
+            camera: (self.view).camera(scene, &scenery.cameras, aspect, shadows_of)?,
             lighting,
             material: self.integrator.material()?,
             albedo: self.light.albedo,
@@ -276,52 +225,5 @@ impl RenderArgs {
             (true, false) => console::print(&stats::text(stats, device)),
             (false, false) => Ok(()),
         }
-    }
-}
-
-impl ViewArgs {
-    /// The camera of the files that is asked for, or the first where nothing is.
-    fn file_camera<'a>(&self, cameras: &'a [FileCamera]) -> Result<Option<&'a FileCamera>> {
-        let Some(wanted) = &self.camera else {
-            let placed = self.eye.is_some() || self.target.is_some() || self.up.is_some();
-            return Ok(cameras.first().filter(|_| !placed));
-        };
-        if wanted == "none" {
-            return Ok(None);
-        }
-        let by_name = cameras.iter().find(|camera| camera.name == *wanted);
-        let by_number = || wanted.parse().ok().and_then(|n: usize| cameras.get(n));
-        if let Some(camera) = by_name.or_else(by_number) {
-            return Ok(Some(camera));
-        }
-        let names: Vec<String> = cameras.iter().map(|c| format!("{:?}", c.name)).collect();
-        usage(match names.len() {
-            0 => format!("there is no camera {wanted:?}: the files have none"),
-            _ => format!(
-                "there is no camera {wanted:?}; there are {}",
-                names.join(", ")
-            ),
-        })
-    }
-
-    /// The camera as asked for, and where nothing is asked for this one.
-    fn camera(&self, start: Camera) -> Camera {
-        let target = self.target.unwrap_or(start.target);
-        Camera {
-            // A target of its own moves the camera along.
-            eye: self.eye.unwrap_or(start.eye + target - start.target),
-            target,
-            up: self.up.unwrap_or(start.up),
-            fov_degrees: self.fov.unwrap_or(start.fov_degrees),
-        }
-    }
-}
-
-fn from_file(camera: &FileCamera) -> Camera {
-    Camera {
-        eye: camera.eye,
-        target: camera.eye + camera.forward,
-        up: camera.up,
-        fov_degrees: camera.fov_degrees,
     }
 }

@@ -1,11 +1,11 @@
 //! The options that say what a mesh's triangles stand for, the same for all commands.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use curvetri::curved::{CurvedOptions, Primitives};
-use curvetri::mesh::{self, LoadOptions, Loaded, NormalsPolicy};
+use curvetri::mesh::{self, LoadOptions, Loaded, Mesh, NormalsPolicy, Scenery};
 use curvetri::render::Form;
 use curvetri::surface::{BoundsKind, Solver, Surface};
 
@@ -187,6 +187,18 @@ impl SurfaceArgs {
             console.warn(&format!("{}: {warning}", path.display()));
         }
         Ok(loaded)
+    }
+
+    /// Reads meshes, and what else their files have; tells what was odd.
+    pub fn load_all(&self, paths: &[PathBuf], console: &Console) -> Result<(Vec<Mesh>, Scenery)> {
+        let (mut meshes, mut scenery) = (Vec::new(), Scenery::default());
+        for path in paths {
+            let loaded = self.load(path, console)?;
+            meshes.push(loaded.mesh);
+            scenery.cameras.extend(loaded.scenery.cameras);
+            scenery.suns.extend(loaded.scenery.suns);
+        }
+        Ok((meshes, scenery))
     }
 
     /// Reads a mesh, with what was odd about it.

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use glam::{Vec3, Vec4};
 use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use image::{ExtendedColorType, ImageEncoder, RgbImage};
 
 use super::picture::Window;
 
@@ -86,6 +86,18 @@ impl Film {
         for (from, at) in self.window.rows_of(corner, side) {
             self.pixels[at..at + from.len()].copy_from_slice(&pixels[from]);
         }
+    }
+
+    /// The picture over a background as 8-bit sRGB; black where that is transparent. The light is
+    /// multiplied by 2 to the power of `stops` first.
+    pub fn to_rgb8(&self, background: Background, stops: f32) -> RgbImage {
+        let [top, bottom] = match background {
+            Background::Gradient { top, bottom } => [top, bottom],
+            Background::Transparent => [Vec3::ZERO; 2],
+        };
+        let bytes = self.over(top, bottom, stops.exp2());
+        RgbImage::from_raw(self.width() as u32, self.height() as u32, bytes)
+            .expect("three bytes a pixel")
     }
 
     /// Writes the picture as a PNG file: sRGB of 8 bits, with an alpha channel if the background is

@@ -34,12 +34,14 @@ pub use batch::{
     answer_occluded, answer_rays,
 };
 pub use bsdf::Material;
+#[cfg(feature = "compare")]
+pub(crate) use camera::Lens;
 pub use camera::{Camera, CameraError, UpAxis};
 pub use film::{Background, Film};
 pub use framing::Framing;
 pub use light::{Lighting, Sky, SphereLight};
 pub use output::{OutputError, OutputFile, WriteSeek};
-pub use picture::{Crop, Ground, Integrator, Picture};
+pub use picture::{Crop, FixedGround, Ground, Integrator, Picture};
 pub use scene::{Form, Scene, SceneError, Shape};
 pub use shading::Shading;
 pub use stats::{MemoryParts, Rays, RenderStats, Times};

@@ -1,8 +1,11 @@
 //! What to render of a scene.
 
+use glam::{DVec3, Vec3};
+
 use super::bsdf::Material;
 use super::camera::{Camera, UpAxis};
 use super::light::Lighting;
+use super::scene::Scene;
 use super::shading::Shading;
 
 /// What to render of a scene.
@@ -72,13 +75,45 @@ pub enum Integrator {
 }
 
 /// A plane under the meshes that takes their shadows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Ground {
     /// No ground.
     #[default]
     None,
     /// An endless plane through the surface's lowest point that fades into the background.
     Plane,
+    /// Such a plane where another scene has it: see [`Ground::under`].
+    Fixed(FixedGround),
+}
+
+/// A ground that stays in its place whatever the scene, in the user's space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FixedGround {
+    /// Its height along the sky's up vector.
+    pub(super) height: f64,
+    /// The middle of what lies on it.
+    pub(super) centre: DVec3,
+    /// How far that reaches from its middle.
+    pub(super) radius: f64,
+}
+
+impl Ground {
+    /// The ground that [`Ground::Plane`] is for this scene, so that others may lie on it as well. `up`
+    /// is the sky's up vector.
+    pub fn under(scene: &Scene, up: Vec3) -> Self {
+        Self::Fixed(FixedGround::under(scene, up))
+    }
+}
+
+impl FixedGround {
+    pub(super) fn under(scene: &Scene, up: Vec3) -> Self {
+        let bounds = scene.bounds();
+        Self {
+            height: f64::from(scene.lowest(up)) + scene.origin().dot(up.as_dvec3()),
+            centre: bounds.centre(),
+            radius: 0.5 * bounds.diagonal(),
+        }
+    }
 }
 
 impl Default for Integrator {

@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use super::light::{Lamp, LightSample};
-use super::picture::{Ground, Picture};
+use super::picture::{FixedGround, Ground, Picture};
 use super::sampler::Sample;
 use super::scene::{Scene, reach, rounding};
 use super::stats::Rays;
@@ -93,10 +93,7 @@ impl<'a> World<'a> {
             scene,
             picture,
             lamp: lamp.map(|lamp| Lamp::new(lamp, scene.origin())),
-            ground: match picture.ground {
-                Ground::None => None,
-                Ground::Plane => Some(GroundPlane::below(scene, picture.lighting.sky.up)),
-            },
+            ground: GroundPlane::of(picture, scene),
         }
     }
 
@@ -231,15 +228,20 @@ impl<'a> World<'a> {
 }
 
 impl GroundPlane {
-    fn below(scene: &Scene, up: Vec3) -> Self {
-        let bounds = scene.bounds();
-        let radius = (0.5 * bounds.diagonal()) as f32;
-        Self {
+    fn of(picture: &Picture, scene: &Scene) -> Option<Self> {
+        let (up, origin) = (picture.lighting.sky.up, scene.origin());
+        let ground = match picture.ground {
+            Ground::None => return None,
+            Ground::Plane => FixedGround::under(scene, up),
+            Ground::Fixed(ground) => ground,
+        };
+        let radius = ground.radius as f32;
+        Some(Self {
             up,
-            height: scene.lowest(up),
-            centre: (bounds.centre() - scene.origin()).as_vec3(),
+            height: (ground.height - origin.dot(up.as_dvec3())) as f32,
+            centre: (ground.centre - origin).as_vec3(),
             fade: [2.0 * radius, 12.0 * radius],
-        }
+        })
     }
 
     fn coverage(&self, point: Vec3) -> f32 {

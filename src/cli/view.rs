@@ -1,0 +1,126 @@
+//! The options for the camera.
+
+use anyhow::Result;
+use clap::Args;
+use curvetri::mesh::FileCamera;
+use curvetri::render::{Camera, Framing, Scene, UpAxis};
+use glam::{DVec3, Vec3};
+
+use super::values::UpChoice;
+use super::{usage, values};
+
+/// The angle that the picture's height covers where nothing says it, in degrees.
+const DEFAULT_FOV: f64 = 35.0;
+
+#[derive(Args)]
+#[command(next_help_heading = "Camera")]
+pub struct ViewArgs {
+    /// Which axis of the meshes points up
+    #[arg(long, value_enum, default_value_t = UpChoice::Y)]
+    up_axis: UpChoice,
+
+    /// A camera of the files, by its name or number (the first is 0), or none [default: the first,
+    /// where no --eye, --target or --up is given]
+    #[arg(long, value_name = "NAME|N|none")]
+    camera: Option<String>,
+
+    /// Where the camera is [default: in front, above, a little to the right, as near as shows all]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    eye: Option<DVec3>,
+
+    /// The point in the picture's middle [default: the middle of the meshes' bounds]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    target: Option<DVec3>,
+
+    /// Upwards in the picture [default: the up axis]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
+    up: Option<DVec3>,
+
+    /// The angle that the picture's height covers [default: that of the file's camera, or 35]
+    #[arg(long, value_name = "DEGREES", value_parser = values::fov)]
+    fov: Option<f64>,
+}
+
+impl ViewArgs {
+    /// Refuses a camera that sees nothing.
+    pub fn check(&self) -> Result<()> {
+        if self.eye.is_some() && self.eye == self.target {
+            return usage("the camera's --eye and --target are the same point");
+        }
+        Ok(())
+    }
+
+    /// Upwards in the meshes' space.
+    pub fn up(&self) -> UpAxis {
+        self.up_axis.axis()
+    }
+
+    /// The camera: as asked for, or as the files have it, or so that all of the scene is seen, and its
+    /// shadows on a ground if they are asked for by the direction to the sun.
+    pub fn camera(
+        &self,
+        scene: &Scene,
+        cameras: &[FileCamera],
+        aspect: f64,
+        shadows_of: Option<Vec3>,
+    ) -> Result<Camera> {
+        let start = match self.file_camera(cameras)? {
+            Some(camera) => from_file(camera),
+            None => {
+                let framing = Framing {
+                    up: self.up(),
+                    fov_degrees: self.fov.unwrap_or(DEFAULT_FOV),
+                    aspect,
+                    shadows_of,
+                };
+                framing.camera(scene)
+            }
+        };
+        Ok(self.changed(start))
+    }
+
+    /// The camera of the files that is asked for, or the first where nothing is.
+    pub fn file_camera<'a>(&self, cameras: &'a [FileCamera]) -> Result<Option<&'a FileCamera>> {
+        let Some(wanted) = &self.camera else {
+            let placed = self.eye.is_some() || self.target.is_some() || self.up.is_some();
+            return Ok(cameras.first().filter(|_| !placed));
+        };
+        if wanted == "none" {
+            return Ok(None);
+        }
+        let by_name = cameras.iter().find(|camera| camera.name == *wanted);
+        let by_number = || wanted.parse().ok().and_then(|n: usize| cameras.get(n));
+        if let Some(camera) = by_name.or_else(by_number) {
+            return Ok(Some(camera));
+        }
+        let names: Vec<String> = cameras.iter().map(|c| format!("{:?}", c.name)).collect();
+        usage(match names.len() {
+            0 => format!("there is no camera {wanted:?}: the files have none"),
+            _ => format!(
+                "there is no camera {wanted:?}; there are {}",
+                names.join(", ")
+            ),
+        })
+    }
+
+    /// The camera as asked for, and where nothing is asked for this one.
+    fn changed(&self, start: Camera) -> Camera {
+        let target = self.target.unwrap_or(start.target);
+        Camera {
+            // A target of its own moves the camera along.
+            eye: self.eye.unwrap_or(start.eye + target - start.target),
+            target,
+            up: self.up.unwrap_or(start.up),
+            fov_degrees: self.fov.unwrap_or(start.fov_degrees),
+        }
+    }
+}
+
+fn from_file(camera: &FileCamera) -> Camera {
+    Camera {
+        eye: camera.eye,
+        target: camera.eye + camera.forward,
+        up: camera.up,
+        fov_degrees: camera.fov_degrees,
+    }
+}
