@@ -12,10 +12,12 @@
 //! | [`curved`] | a mesh as one Embree user geometry of curved triangles |
 //! | [`accuracy`] | how far the surfaces are from bodies' true ones: the paper's Table 1 |
 //! | [`render`] | cameras, lights, film: pictures |
+//! | [`bench`] | how fast and how large all this is against flat triangles |
 
 #![deny(missing_docs)]
 
 pub mod accuracy;
+pub mod bench;
 pub mod bodies;
 pub mod curved;
 pub mod embree;

@@ -2,6 +2,8 @@
 
 mod accuracy;
 mod accuracy_report;
+mod bench;
+mod bench_report;
 mod console;
 mod inspect;
 mod render;
@@ -52,6 +54,7 @@ enum Command {
     Trace(trace::TraceArgs),
     Accuracy(accuracy::AccuracyArgs),
     Inspect(inspect::InspectArgs),
+    Bench(bench::BenchArgs),
 }
 
 /// A mistake in the arguments that only shows when they are seen together.
@@ -94,6 +97,7 @@ fn run(cli: &Cli) -> Result<()> {
         Some(Command::Trace(args)) => trace::run(args, &console),
         Some(Command::Accuracy(args)) => accuracy::run(args, &console),
         Some(Command::Inspect(args)) => inspect::run(args, &console),
+        Some(Command::Bench(args)) => bench::run(args, &console),
         None => usage("no command is given; see curvetri --help"),
     }
 }

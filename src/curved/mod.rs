@@ -7,6 +7,7 @@ mod geometry;
 mod inspection;
 mod kinds;
 mod prepare;
+mod tessellate;
 
 use std::sync::Arc;
 
@@ -16,6 +17,7 @@ use crate::surface::{Patch, PatchRecord, Solver, Surface, Vector};
 pub use counters::{Counters, counters};
 pub use inspection::{Heights, Inspection, MemoryNeed, SideLengths};
 pub use kinds::Kinds;
+pub use tessellate::Tessellation;
 
 /// How a mesh's triangles are curved and how rays are solved against them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -42,6 +42,7 @@ pub use obj_write::{obj_text, write_obj};
 pub use raw::{NO_NORMAL, RawMesh};
 pub use topology::{NO_TRIANGLE, SideKind, Topology, TopologyCounts};
 pub use triangle_mesh::{Bounds, Mesh};
+pub(crate) use weld::weld;
 
 /// How a mesh is made of what a file says.
 #[derive(Debug, Clone, Copy, PartialEq)]

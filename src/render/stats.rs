@@ -107,6 +107,7 @@ mod tests {
                 shadow: 2,
             },
             kernel: Counters {
+                callbacks: 5,
                 calls: 16,
                 evaluations: 40,
             },
