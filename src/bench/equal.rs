@@ -28,7 +28,7 @@ pub struct SurfaceErrors {
 impl SurfaceErrors {
     /// Measures a mesh against its true surface.
     #[must_use]
-    pub fn of(curved: &CurvedMesh, truth: Truth) -> Self {
+    pub fn of(curved: &CurvedMesh, truth: impl Fn(DVec3) -> f64 + Sync) -> Self {
         let count = curved.mesh().triangles().len();
         let step = count.div_ceil(TRIANGLES).max(1);
         let measured: Vec<[f64; 2]> = (0..count)

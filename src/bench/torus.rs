@@ -28,9 +28,10 @@ pub struct TorusBytes {
 /// # Errors
 /// If Embree fails.
 pub fn torus_bytes() -> Result<TorusBytes, Error> {
-    let mesh = Arc::new(Body::torus(48, 64).mesh());
+    let body = Body::torus(48, 64);
+    let mesh = Arc::new(body.mesh());
     let curved = CurvedMesh::new(mesh.clone(), &CurvedOptions::default());
-    let errors = SurfaceErrors::of(&curved, |p| Body::torus(48, 64).signed_distance(p));
+    let errors = SurfaceErrors::of(&curved, |p| body.signed_distance(p));
     let parts = errors.parts();
     let plain = Form::Curved {
         options: CurvedOptions::default(),
