@@ -43,6 +43,33 @@ impl Way {
     }
 }
 
+/// What time is taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Clock {
+    /// That on the wall.
+    #[default]
+    Wall,
+    /// That which the threads run, a thread, where the system tells: what others do on the same machine
+    /// then takes no part in it, nor do threads that wait for each other.
+    Processor,
+}
+
+/// Seconds that this thread has run.
+#[cfg(unix)]
+fn thread_time() -> f64 {
+    use rustix::time::{ClockId, clock_gettime};
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}
+
+/// Seconds on the wall, where the system does not tell how long a thread has run.
+#[cfg(not(unix))]
+fn thread_time() -> f64 {
+    use std::sync::OnceLock;
+    static START: OnceLock<Instant> = OnceLock::new();
+    START.get_or_init(Instant::now).elapsed().as_secs_f64()
+}
+
 /// The rays of a kind, packed in every width.
 pub(super) struct PackedRays {
     pub kind: RayKind,
@@ -79,12 +106,21 @@ impl PackedRays {
     }
 
     /// Seconds to trace them on a pool's threads.
-    pub fn time(&self, scene: &Scene, way: Way, pool: &ThreadPool) -> f64 {
-        pool.install(|| {
+    pub fn time(&self, scene: &Scene, way: Way, pool: &ThreadPool, clock: Clock) -> f64 {
+        let trace = || {
             let start = Instant::now();
             std::hint::black_box(self.trace(scene, way));
             start.elapsed().as_secs_f64()
-        })
+        };
+        match clock {
+            Clock::Wall => pool.install(trace),
+            Clock::Processor => {
+                let ran = || pool.broadcast(|_| thread_time()).into_iter().sum::<f64>();
+                let before = ran();
+                pool.install(trace);
+                (ran() - before) / pool.current_num_threads() as f64
+            }
+        }
     }
 
     /// How many hit, and what the kernel did for it.

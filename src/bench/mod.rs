@@ -33,7 +33,7 @@ pub use equal::{SurfaceErrors, Truth};
 pub use forms::{BASELINE, BuildTimes, Bytes, Cut, DEFAULT, Form, NamedForm, forms};
 pub use goals::{Goal, goals};
 pub use machine::{Machine, spare_memory};
-pub use measure::Way;
+pub use measure::{Clock, Way};
 pub use rays::RayKind;
 pub use report::{FormReport, MeshReport, Misses, Outcome, RayRow, Spread};
 pub use torus::{TorusBytes, torus_bytes};
@@ -74,6 +74,8 @@ pub struct Options {
     pub rays: usize,
     /// How often each time is taken.
     pub rounds: usize,
+    /// What time is taken of tracing. Building is timed on the wall.
+    pub clock: Clock,
     /// Numbers of threads to trace on.
     pub threads: Vec<usize>,
     /// All [ways](Way::ALL) to ask for the main forms, not the [few](Way::FEW) that may be best.
@@ -91,6 +93,7 @@ impl Default for Options {
             kinds: RayKind::ALL.to_vec(),
             rays: 1 << 18,
             rounds: 5,
+            clock: Clock::Wall,
             threads,
             all_ways: true,
             memory: spare_memory(),
@@ -203,7 +206,7 @@ impl<'a> Bench<'a> {
                 let mut times = vec![Vec::new(); ways.len()];
                 for _ in 0..self.options.rounds {
                     for (way, times) in ways.iter().zip(&mut times) {
-                        times.push(rays.time(&built.scene, *way, pool));
+                        times.push(rays.time(&built.scene, *way, pool, self.options.clock));
                     }
                 }
                 let best = times.iter().map(|times| median(times.iter().copied()));
@@ -262,9 +265,9 @@ impl<'a> Bench<'a> {
                 let mut times = vec![Vec::new(); ways.len()];
                 let mut flat_times = Vec::new();
                 for _ in 0..self.options.rounds {
-                    flat_times.push(rays.time(flat, flat_way, pool));
+                    flat_times.push(rays.time(flat, flat_way, pool, self.options.clock));
                     for (way, times) in ways.iter().zip(&mut times) {
-                        times.push(rays.time(&built.scene, *way, pool));
+                        times.push(rays.time(&built.scene, *way, pool, self.options.clock));
                     }
                 }
                 for (way, times) in ways.iter().zip(times) {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use clap::Args;
 use curvetri::bench::{
-    self, Goal, Machine, MeshReport, NamedForm, Options, RayKind, Subject, TorusBytes,
+    self, Clock, Goal, Machine, MeshReport, NamedForm, Options, RayKind, Subject, TorusBytes,
 };
 use curvetri::bodies::{bumpy_torus, bumpy_torus_distance};
 use curvetri::mesh::{LoadOptions, load};
@@ -70,6 +70,10 @@ pub struct BenchArgs {
     #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = values::threads)]
     threads: Vec<usize>,
 
+    /// Count the time that threads run, not that on the wall: for machines that are busy otherwise
+    #[arg(long)]
+    cpu_time: bool,
+
     /// Leave out forms that need more memory than this many gigabytes [default: two thirds of what is
     /// free]
     #[arg(long, value_name = "GB", value_parser = values::number)]
@@ -91,6 +95,9 @@ pub fn run(args: &BenchArgs, console: &Console) -> Result<()> {
     let machine = Machine::new()?;
     let file = args.markdown.as_deref().map(OutputFile::create);
     let file = file.transpose()?;
+    // before the long work: a file may be missing
+    let files = args.meshes.iter().map(|path| read(path));
+    let files = files.collect::<Result<Vec<Subject>>>()?;
     let bar = console.spinner("measuring");
     let say = |what: &str| {
         console.note(what);
@@ -105,8 +112,8 @@ pub fn run(args: &BenchArgs, console: &Console) -> Result<()> {
         };
         meshes.push(measure(&subject, &options, &say)?);
     }
-    for path in &args.meshes {
-        meshes.push(measure(&read(path)?, &options, &say)?);
+    for subject in &files {
+        meshes.push(measure(subject, &options, &say)?);
     }
     say("torus-48x64: bytes at equal error");
     let torus = bench::torus_bytes().context("cannot measure the torus")?;
@@ -172,6 +179,9 @@ impl BenchArgs {
         }
         if !self.threads.is_empty() {
             options.threads.clone_from(&self.threads);
+        }
+        if self.cpu_time {
+            options.clock = Clock::Processor;
         }
         options.rays = self.rays.unwrap_or(options.rays);
         options.rounds = self.rounds.unwrap_or(options.rounds);

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use curvetri::bench::{BASELINE, FormReport, Goal, MeshReport, Outcome, RayKind, RayRow, Spread};
+use curvetri::bench::{
+    BASELINE, Clock, FormReport, Goal, MeshReport, Outcome, RayKind, RayRow, Spread,
+};
 use serde_json::{Value, json};
 
 use super::bench::Report;
@@ -25,6 +27,7 @@ pub fn json(report: &Report) -> String {
         },
         "rays": report.options.rays,
         "rounds": report.options.rounds,
+        "clock": clock(report),
         "meshes": meshes,
         "torus": {
             "parts": torus.parts,
@@ -217,7 +220,7 @@ fn machine_table(report: &Report) -> Table {
     let machine = &report.machine;
     let mut table = Table::new("Machine", &["", ""]);
     table.remark = format!(
-        "{}, {} threads, {:.0} GB, {}\nEmbree {} ({}), curvetri {}\nabout {} rays of a kind, {} rounds\n",
+        "{}, {} threads, {:.0} GB, {}\nEmbree {} ({}), curvetri {}\nabout {} rays of a kind, {} rounds, time {}\n",
         machine.processor,
         machine.threads,
         machine.memory as f64 * 1e-9,
@@ -227,8 +230,16 @@ fn machine_table(report: &Report) -> Table {
         machine.version,
         report.options.rays,
         report.options.rounds,
+        clock(report),
     );
     table
+}
+
+fn clock(report: &Report) -> &'static str {
+    match report.options.clock {
+        Clock::Wall => "on the wall",
+        Clock::Processor => "that threads run",
+    }
 }
 
 fn thread_counts(mesh: &MeshReport) -> Vec<usize> {

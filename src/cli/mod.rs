@@ -9,6 +9,7 @@ mod inspect;
 mod render;
 mod stats;
 mod surface;
+mod tessellate;
 mod trace;
 mod values;
 
@@ -54,6 +55,7 @@ enum Command {
     Trace(trace::TraceArgs),
     Accuracy(accuracy::AccuracyArgs),
     Inspect(inspect::InspectArgs),
+    Tessellate(tessellate::TessellateArgs),
     Bench(bench::BenchArgs),
 }
 
@@ -97,6 +99,7 @@ fn run(cli: &Cli) -> Result<()> {
         Some(Command::Trace(args)) => trace::run(args, &console),
         Some(Command::Accuracy(args)) => accuracy::run(args, &console),
         Some(Command::Inspect(args)) => inspect::run(args, &console),
+        Some(Command::Tessellate(args)) => tessellate::run(args, &console),
         Some(Command::Bench(args)) => bench::run(args, &console),
         None => usage("no command is given; see curvetri --help"),
     }
