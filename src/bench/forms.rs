@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::{Error, grids, median};
+use super::{Clock, Error, grids, median};
 use crate::curved::{CurvedMesh, CurvedOptions};
 use crate::embree::{Device, Geometry, GeometryBuilder, Scene, SceneBuilder};
 use crate::mesh::{Mesh, weld};
@@ -209,11 +209,11 @@ impl Form {
     }
 
     /// Makes it of a mesh, a few times for its times.
-    pub(super) fn build(&self, mesh: &Arc<Mesh>, parts: u32) -> Result<Built, Error> {
+    pub(super) fn build(&self, mesh: &Arc<Mesh>, parts: u32, clock: Clock) -> Result<Built, Error> {
         let start = Instant::now();
         let mut times = Vec::new();
         loop {
-            let built = self.build_once(mesh, parts)?;
+            let built = self.build_once(mesh, parts, clock)?;
             times.push(built.times);
             if times.len() == BUILDS || start.elapsed() > ENOUGH {
                 let of = |part: fn(&BuildTimes) -> f64| median(times.iter().map(part));
@@ -226,21 +226,22 @@ impl Form {
         }
     }
 
-    fn build_once(&self, mesh: &Arc<Mesh>, parts: u32) -> Result<Built, Error> {
+    fn build_once(&self, mesh: &Arc<Mesh>, parts: u32, clock: Clock) -> Result<Built, Error> {
         let device = Device::with_config(self.device())?;
         let triangles = mesh.triangles().len() as u64;
         let pieces = triangles * u64::from(parts).pow(2);
-        let start = Instant::now();
+        let start = clock.program_time();
         match self {
             Self::Flat { robust } => {
                 let geometry = || Geometry::triangles(&device, mesh.positions(), mesh.triangles());
-                Making::new(&device, start, triangles).finish(geometry, |b| b.robust(*robust))
+                Making::new(&device, (clock, start), triangles)
+                    .finish(geometry, |b| b.robust(*robust))
             }
             Self::Curved {
                 options, compact, ..
             } => {
                 let curved = Arc::new(CurvedMesh::new(mesh.clone(), options));
-                let mut making = Making::new(&device, start, triangles);
+                let mut making = Making::new(&device, (clock, start), triangles);
                 making.bytes.mesh = mesh.memory() as u64;
                 making.bytes.records = curved.memory() as u64;
                 let geometry = || Geometry::user(&device, curved);
@@ -249,17 +250,17 @@ impl Form {
             Self::Tessellated(_) => {
                 let fine = curve(mesh).tessellate(parts)?.into_mesh();
                 let geometry = || Geometry::triangles(&device, fine.positions(), fine.triangles());
-                Making::new(&device, start, pieces).finish(geometry, |b| b)
+                Making::new(&device, (clock, start), pieces).finish(geometry, |b| b)
             }
             Self::Grids(_) => {
                 let (positions, grids) = grids::of(&curve(mesh).tessellate(parts)?, mesh);
-                let mut making = Making::new(&device, start, grids.len() as u64);
+                let mut making = Making::new(&device, (clock, start), grids.len() as u64);
                 making.pieces = pieces;
                 making.finish(|| Geometry::grids(&device, &positions, &grids), |b| b)
             }
             Self::Subdivision(level) => {
                 let (positions, faces) = by_place(mesh);
-                let mut making = Making::new(&device, start, triangles);
+                let mut making = Making::new(&device, (clock, start), triangles);
                 making.pieces = pieces;
                 let geometry = || Geometry::subdivision(&device, &positions, &faces, *level);
                 making.finish(geometry, |b| b)
@@ -287,6 +288,7 @@ fn by_place(mesh: &Mesh) -> (Vec<glam::Vec3>, Vec<[u32; 3]>) {
 /// A form whose scene is still to be built.
 struct Making<'a> {
     device: &'a Device,
+    clock: Clock,
     prepare: f64,
     primitives: u64,
     pieces: u64,
@@ -294,10 +296,11 @@ struct Making<'a> {
 }
 
 impl<'a> Making<'a> {
-    fn new(device: &'a Device, start: Instant, primitives: u64) -> Self {
+    fn new(device: &'a Device, (clock, start): (Clock, f64), primitives: u64) -> Self {
         Self {
             device,
-            prepare: start.elapsed().as_secs_f64(),
+            clock,
+            prepare: clock.program_time() - start,
             primitives,
             pieces: primitives,
             bytes: Bytes::default(),
@@ -309,14 +312,14 @@ impl<'a> Making<'a> {
         geometry: impl FnOnce() -> Result<GeometryBuilder, crate::embree::Error>,
         flags: impl FnOnce(SceneBuilder) -> SceneBuilder,
     ) -> Result<Built, Error> {
-        let start = Instant::now();
+        let start = self.clock.program_time();
         let empty = self.device.memory().current;
         let geometry = geometry()?.commit()?;
         let filled = self.device.memory().current;
         let mut builder = flags(SceneBuilder::new(self.device)?);
         builder.attach(&geometry);
         let scene = builder.commit()?;
-        let build = start.elapsed().as_secs_f64();
+        let build = self.clock.program_time() - start;
         self.bytes.buffers = filled - empty;
         self.bytes.tree = self.device.memory().current.saturating_sub(filled);
         Ok(Built {

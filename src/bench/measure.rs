@@ -5,6 +5,7 @@ use std::time::Instant;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
+use super::clock::{self, Clock};
 use super::rays::RayKind;
 use crate::curved::{Counters, counters};
 use crate::embree::{QueryOptions, Ray, RayPacket, Scene, Traced, Width, flush_denormals};
@@ -41,33 +42,6 @@ impl Way {
     pub fn name(&self) -> String {
         format!("{}{}", self.width, if self.coherent { "c" } else { "" })
     }
-}
-
-/// What time is taken.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Clock {
-    /// That on the wall.
-    #[default]
-    Wall,
-    /// That which the threads run, a thread, where the system tells: what others do on the same machine
-    /// then takes no part in it, nor do threads that wait for each other.
-    Processor,
-}
-
-/// Seconds that this thread has run.
-#[cfg(unix)]
-fn thread_time() -> f64 {
-    use rustix::time::{ClockId, clock_gettime};
-    let time = clock_gettime(ClockId::ThreadCPUTime);
-    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
-}
-
-/// Seconds on the wall, where the system does not tell how long a thread has run.
-#[cfg(not(unix))]
-fn thread_time() -> f64 {
-    use std::sync::OnceLock;
-    static START: OnceLock<Instant> = OnceLock::new();
-    START.get_or_init(Instant::now).elapsed().as_secs_f64()
 }
 
 /// The rays of a kind, packed in every width.
@@ -115,10 +89,11 @@ impl PackedRays {
         match clock {
             Clock::Wall => pool.install(trace),
             Clock::Processor => {
-                let ran = || pool.broadcast(|_| thread_time()).into_iter().sum::<f64>();
-                let before = ran();
+                let ran = || pool.broadcast(|_| clock::thread_time());
+                let before = ran().into_iter().sum::<f64>();
                 pool.install(trace);
-                (ran() - before) / pool.current_num_threads() as f64
+                let after = ran().into_iter().sum::<f64>();
+                (after - before) / pool.current_num_threads() as f64
             }
         }
     }

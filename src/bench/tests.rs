@@ -9,7 +9,7 @@ fn tiny(forms: Vec<NamedForm>) -> (Subject, Options) {
     };
     let options = Options {
         forms,
-        rays: 4096,
+        rays: 2048,
         rounds: 1,
         threads: vec![1],
         all_ways: true,
@@ -32,7 +32,13 @@ fn all_forms_see_the_same_rays_and_hit_alike() {
             let flat = flat.best(row.kind, 1).unwrap();
             assert_eq!(row.rays, flat.rays, "{at}");
             let off = (row.hit_share() - flat.hit_share()).abs();
-            assert!(off < 0.02, "{at}: {} {}", row.hit_share(), flat.hit_share());
+            // Catmull-Clark surfaces lie inside of their vertices
+            let most = if form.name.starts_with("subdivision") {
+                0.06
+            } else {
+                0.02
+            };
+            assert!(off < most, "{at}: {} {}", row.hit_share(), flat.hit_share());
             let curved = form.name.starts_with("smooth") || form.bytes.records > 0;
             assert_eq!(row.kernel.calls > 0, curved, "{at}");
             assert!(row.lanes_used() <= 1.0);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::forms::{Cut, Form};
-use super::{Error, SurfaceErrors};
+use super::{Clock, Error, SurfaceErrors};
 use crate::bodies::Body;
 use crate::curved::{CurvedMesh, CurvedOptions};
 
@@ -38,7 +38,7 @@ pub fn torus_bytes() -> Result<TorusBytes, Error> {
         device: "",
         compact: false,
     };
-    let bytes = |form: Form| Ok::<_, Error>(form.build(&mesh, parts)?.bytes.total());
+    let bytes = |form: Form| Ok::<_, Error>(form.build(&mesh, parts, Clock::Wall)?.bytes.total());
     Ok(TorusBytes {
         errors,
         parts,

@@ -105,7 +105,7 @@ fn grids_out_of_range_are_refused() {
     let device = Device::new().unwrap();
     let (vertices, good) = grid();
     for grid in [
-        Grid { first: 2, ..good },
+        Grid { first: 3, ..good },
         Grid { height: 4, ..good },
         Grid {
             stride: u32::MAX,
