@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-messages=$(cargo build --locked --lib --no-default-features --features bindgen --message-format=json)
+messages=$(cargo check --locked --lib --no-default-features --features bindgen --message-format=json)
 out=$(grep '"reason":"build-script-executed"' <<<"$messages" | grep '[/#]curvetri[@#]' |
     sed -n 's/.*"out_dir":"\([^"]*\)".*/\1/p')
 new=$out/bindings.rs

@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::{Clock, Error, grids, median};
-use crate::curved::{CurvedMesh, CurvedOptions};
+use crate::curved::{CurvedMesh, CurvedOptions, Primitives};
 use crate::embree::{Device, Geometry, GeometryBuilder, Scene, SceneBuilder};
 use crate::mesh::{Mesh, weld};
-use crate::surface::{Solver, Surface};
+use crate::surface::{BoundsKind, Solver, Surface};
 
 /// A form with its name.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,6 +57,9 @@ pub const DEFAULT: &str = "smooth";
 /// The name of the form that all others are compared with.
 pub const BASELINE: &str = "flat";
 
+/// The device's setting for a tree with more than one user primitive a leaf, in a quarter of the memory.
+const SMALL_LEAVES: &str = "object_accel_max_leaf_size=4";
+
 /// All forms, the baseline first. New ones only need an entry here.
 #[must_use]
 pub fn forms() -> Vec<NamedForm> {
@@ -65,30 +68,36 @@ pub fn forms() -> Vec<NamedForm> {
         let name = name.to_owned();
         forms.push(NamedForm { name, form });
     };
-    let curved = |options| Form::Curved {
+    let with = |options, device, compact| Form::Curved {
         options,
-        device: "",
-        compact: false,
+        device,
+        compact,
     };
+    let curved = |options| with(options, "", false);
     let plain = CurvedOptions::default();
+    let triangles = CurvedOptions {
+        primitives: Primitives::Triangles,
+        ..plain
+    };
+    let sphere = CurvedOptions {
+        bounds: BoundsKind::Sphere,
+        ..triangles
+    };
     add(BASELINE, Form::Flat { robust: false });
     add("flat-robust", Form::Flat { robust: true });
     add(DEFAULT, curved(plain));
-    let small_leaves = Form::Curved {
-        options: plain,
-        device: "object_accel_max_leaf_size=4",
-        compact: false,
-    };
-    add("smooth-leaf4", small_leaves);
-    let compact = Form::Curved {
-        options: plain,
-        device: "",
-        compact: true,
-    };
-    add("smooth-compact", compact);
+    add("smooth-leaf4", with(plain, SMALL_LEAVES, false));
+    add("smooth-compact", with(plain, "", true));
+    add("smooth-triangles", curved(triangles));
+    add(
+        "smooth-triangles-leaf4",
+        with(triangles, SMALL_LEAVES, false),
+    );
+    add("smooth-sphere", curved(sphere));
     for surface in [Surface::Tensor, Surface::Angular] {
         add(surface.name(), curved(CurvedOptions { surface, ..plain }));
     }
+    add("paper", curved(CurvedOptions::paper()));
     for step in 1..=4 {
         let solver = Solver::Ita { bits: 24, step };
         let form = curved(CurvedOptions { solver, ..plain });

@@ -95,6 +95,12 @@ pub struct RayRow {
 }
 
 impl RayRow {
+    /// Embree's calls a ray.
+    #[must_use]
+    pub fn callbacks_per_ray(&self) -> f64 {
+        share(self.kernel.callbacks, self.rays)
+    }
+
     /// Ray-triangle tests of the curved kernel a ray.
     #[must_use]
     pub fn calls_per_ray(&self) -> f64 {
@@ -107,10 +113,10 @@ impl RayRow {
         share(self.kernel.evaluations, self.rays)
     }
 
-    /// Lanes that a callback has to work on, over the packet's width.
+    /// Lanes that a test of a triangle has to work on, over the packet's width.
     #[must_use]
     pub fn lanes_used(&self) -> f64 {
-        share(self.kernel.calls, self.kernel.callbacks) / self.way.width as f64
+        share(self.kernel.calls, self.kernel.tests) / self.way.width as f64
     }
 
     /// Share of the rays that hit.

@@ -39,7 +39,7 @@ fn all_forms_see_the_same_rays_and_hit_alike() {
                 0.02
             };
             assert!(off < most, "{at}: {} {}", row.hit_share(), flat.hit_share());
-            let curved = form.name.starts_with("smooth") || form.bytes.records > 0;
+            let curved = form.bytes.records > 0;
             assert_eq!(row.kernel.calls > 0, curved, "{at}");
             assert!(row.lanes_used() <= 1.0);
         }

@@ -6,6 +6,8 @@ mod bench;
 mod bench_report;
 mod console;
 mod inspect;
+mod integrator;
+mod light;
 mod render;
 mod stats;
 mod surface;
@@ -51,7 +53,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    Render(render::RenderArgs),
+    Render(Box<render::RenderArgs>),
     Trace(trace::TraceArgs),
     Accuracy(accuracy::AccuracyArgs),
     Inspect(inspect::InspectArgs),
