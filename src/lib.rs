@@ -13,10 +13,12 @@
 //! | [`accuracy`] | how far the surfaces are from bodies' true ones: the paper's Table 1 |
 //! | [`render`] | cameras, lights, film: pictures |
 //! | `compare` | how far two forms' pictures, outlines and normals are apart (feature `compare`) |
+//! | [`bench`] | how fast and how large all this is against flat triangles |
 
 #![deny(missing_docs)]
 
 pub mod accuracy;
+pub mod bench;
 pub mod bodies;
 #[cfg(feature = "compare")]
 pub mod compare;

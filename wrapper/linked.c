@@ -16,6 +16,7 @@ const struct CurvetriEmbree curvetri_linked_embree = {
     .set_geometry_mask = rtcSetGeometryMask,
     .set_geometry_build_quality = rtcSetGeometryBuildQuality,
     .set_geometry_time_step_count = rtcSetGeometryTimeStepCount,
+    .set_geometry_tessellation_rate = rtcSetGeometryTessellationRate,
     .set_new_geometry_buffer = rtcSetNewGeometryBuffer,
     .set_geometry_intersect_filter = rtcSetGeometryIntersectFilterFunction,
     .set_geometry_occluded_filter = rtcSetGeometryOccludedFilterFunction,

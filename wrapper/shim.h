@@ -34,6 +34,7 @@ struct CurvetriEmbree
   void (*set_geometry_mask)(RTCGeometry geometry, unsigned int mask);
   void (*set_geometry_build_quality)(RTCGeometry geometry, enum RTCBuildQuality quality);
   void (*set_geometry_time_step_count)(RTCGeometry geometry, unsigned int count);
+  void (*set_geometry_tessellation_rate)(RTCGeometry geometry, float rate);
   void *(*set_new_geometry_buffer)(RTCGeometry geometry, enum RTCBufferType type, unsigned int slot,
                                    enum RTCFormat format, size_t stride, size_t count);
   void (*set_geometry_intersect_filter)(RTCGeometry geometry, RTCFilterFunctionN filter);

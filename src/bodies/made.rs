@@ -39,13 +39,33 @@ pub fn bumpy_torus(triangles: usize) -> Mesh {
     Mesh::new(positions, Some(normals), corners).expect("a torus is a mesh")
 }
 
-/// The point at the angles `a` around the ring and `b` around the tube, and the normal.
-fn bumpy_torus_point(a: f64, b: f64) -> (DVec3, DVec3) {
+/// The distance of a point from the true surface of [`bumpy_torus`] to first order, negative inside:
+/// good near the surface only.
+#[must_use]
+pub fn bumpy_torus_distance(point: DVec3) -> f64 {
+    let ring = point.truncate();
+    let (radius, a) = (ring.length(), ring.y.atan2(ring.x));
+    let across = DVec2::new(radius - 1.0, point.z);
+    let (out, b) = (across.length(), across.y.atan2(across.x));
+    let [tube, by_a, by_b] = tube_radius(a, b);
+    let slope = DVec2::new(by_a / radius, by_b / out);
+    (out - tube) / (1.0 + slope.length_squared()).sqrt()
+}
+
+/// The tube's radius at the angles `a` around the ring and `b` around the tube, with its derivatives.
+fn tube_radius(a: f64, b: f64) -> [f64; 3] {
     const BUMP: f64 = 0.04;
     let (bumps_a, bumps_b) = (12.0, 5.0);
-    let tube = 0.4 + BUMP * (bumps_a * a).cos() * (bumps_b * b).cos();
-    let tube_a = -BUMP * bumps_a * (bumps_a * a).sin() * (bumps_b * b).cos();
-    let tube_b = -BUMP * bumps_b * (bumps_a * a).cos() * (bumps_b * b).sin();
+    [
+        0.4 + BUMP * (bumps_a * a).cos() * (bumps_b * b).cos(),
+        -BUMP * bumps_a * (bumps_a * a).sin() * (bumps_b * b).cos(),
+        -BUMP * bumps_b * (bumps_a * a).cos() * (bumps_b * b).sin(),
+    ]
+}
+
+/// The point at the angles `a` around the ring and `b` around the tube, and the normal.
+fn bumpy_torus_point(a: f64, b: f64) -> (DVec3, DVec3) {
+    let [tube, tube_a, tube_b] = tube_radius(a, b);
     let around = DVec2::from_angle(a).extend(0.0);
     let along = DVec2::from_angle(a).perp().extend(0.0);
     let out = b.cos() * around + b.sin() * DVec3::Z;
@@ -128,6 +148,20 @@ mod tests {
             assert!(made >= wanted && made < wanted + wanted / 10 + 20, "{made}");
             let counts = check_closed(&mesh, if wanted < 1000 { -1.0 } else { 0.5 });
             assert_eq!(counts.hard, 0);
+        }
+    }
+
+    #[test]
+    fn vertices_of_the_bumpy_torus_lie_on_it_and_moved_ones_do_not() {
+        let mesh = bumpy_torus(3000);
+        for vertex in 0..mesh.positions().len() {
+            let (at, normal) = (
+                mesh.world_position(vertex),
+                mesh.normals()[vertex].as_dvec3(),
+            );
+            assert!(bumpy_torus_distance(at).abs() < 1e-6);
+            let moved = bumpy_torus_distance(at - 1e-3 * normal);
+            assert!((moved + 1e-3).abs() < 3e-5, "{moved}");
         }
     }
 

@@ -16,6 +16,7 @@ mod teapot;
 
 pub use analytic::{Body, BodyTriangle};
 pub use blob::Blob;
-pub use made::{bumpy_torus, capped_cone, capped_cylinder, terminator};
+pub use made::{bumpy_torus, bumpy_torus_distance, capped_cone, capped_cylinder, terminator};
 pub use scenes::scenes;
+pub(crate) use splitmix::SplitMix;
 pub use teapot::{TeapotPart, teapot, teapot_part};

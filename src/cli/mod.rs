@@ -2,6 +2,8 @@
 
 mod accuracy;
 mod accuracy_report;
+mod bench;
+mod bench_report;
 mod compare;
 mod console;
 mod inspect;
@@ -11,6 +13,7 @@ mod paint;
 mod render;
 mod stats;
 mod surface;
+mod tessellate;
 mod trace;
 mod values;
 mod view;
@@ -58,6 +61,8 @@ enum Command {
     Trace(trace::TraceArgs),
     Accuracy(accuracy::AccuracyArgs),
     Inspect(inspect::InspectArgs),
+    Tessellate(tessellate::TessellateArgs),
+    Bench(bench::BenchArgs),
 }
 
 /// A mistake in the arguments that only shows when they are seen together.
@@ -101,6 +106,8 @@ fn run(cli: &Cli) -> Result<()> {
         Some(Command::Trace(args)) => trace::run(args, &console),
         Some(Command::Accuracy(args)) => accuracy::run(args, &console),
         Some(Command::Inspect(args)) => inspect::run(args, &console),
+        Some(Command::Tessellate(args)) => tessellate::run(args, &console),
+        Some(Command::Bench(args)) => bench::run(args, &console),
         None => usage("no command is given; see curvetri --help"),
     }
 }

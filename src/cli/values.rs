@@ -196,6 +196,22 @@ pub fn hits(text: &str) -> Result<usize, String> {
     }
 }
 
+/// A number of rounds.
+pub fn rounds(text: &str) -> Result<usize, String> {
+    match text.trim().parse() {
+        Ok(rounds @ 1..=1000) => Ok(rounds),
+        _ => Err("1 to 1000 rounds".into()),
+    }
+}
+
+/// A number of triangles to make.
+pub fn triangles(text: &str) -> Result<usize, String> {
+    match text.trim().parse() {
+        Ok(triangles @ 18..=100_000_000) => Ok(triangles),
+        _ => Err("18 to 100000000 triangles".into()),
+    }
+}
+
 /// A number of threads.
 pub fn threads(text: &str) -> Result<usize, String> {
     match text.trim().parse() {

@@ -6,7 +6,11 @@ use std::ops::{Add, Sub};
 /// Work done by the intersection kernel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
-    /// Ray-primitive tests: lanes of callbacks.
+    /// Embree's calls: one for a packet of rays and a primitive.
+    pub callbacks: u64,
+    /// Tests of a packet against a triangle.
+    pub tests: u64,
+    /// Ray-triangle tests: lanes of the tests.
     pub calls: u64,
     /// Evaluations of the surface's height.
     pub evaluations: u64,
@@ -16,6 +20,8 @@ impl Add for Counters {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self {
+            callbacks: self.callbacks + other.callbacks,
+            tests: self.tests + other.tests,
             calls: self.calls + other.calls,
             evaluations: self.evaluations + other.evaluations,
         }
@@ -26,14 +32,23 @@ impl Sub for Counters {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         Self {
+            callbacks: self.callbacks - other.callbacks,
+            tests: self.tests - other.tests,
             calls: self.calls - other.calls,
             evaluations: self.evaluations - other.evaluations,
         }
     }
 }
 
+const NONE: Counters = Counters {
+    callbacks: 0,
+    tests: 0,
+    calls: 0,
+    evaluations: 0,
+};
+
 thread_local! {
-    static COUNTERS: Cell<Counters> = const { Cell::new(Counters { calls: 0, evaluations: 0 }) };
+    static COUNTERS: Cell<Counters> = const { Cell::new(NONE) };
 }
 
 /// What the kernel has done on the calling thread so far. Embree runs the callbacks of a query on
@@ -42,6 +57,24 @@ pub fn counters() -> Counters {
     COUNTERS.get()
 }
 
+/// Counts a call of Embree's.
+pub(super) fn count_callback() {
+    add(Counters {
+        callbacks: 1,
+        ..NONE
+    });
+}
+
+/// Counts lanes of one test of a triangle and what they took.
 pub(super) fn count(calls: u64, evaluations: u64) {
-    COUNTERS.set(COUNTERS.get() + Counters { calls, evaluations });
+    add(Counters {
+        tests: 1,
+        calls,
+        evaluations,
+        ..NONE
+    });
+}
+
+fn add(done: Counters) {
+    COUNTERS.set(COUNTERS.get() + done);
 }

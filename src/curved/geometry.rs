@@ -3,7 +3,7 @@
 use std::ops::DerefMut;
 
 use super::CurvedMesh;
-use super::counters::count;
+use super::counters::{count, count_callback};
 use crate::embree::{Bounds, IntersectQuery, OccludedQuery, QueryRays, SurfaceHit, UserGeometry};
 use crate::surface::{HitLanes, Outline, Ray, RayLanes, Real};
 
@@ -75,6 +75,7 @@ impl CurvedMesh {
         normals: bool,
         report: impl Fn(&mut Q, usize, SurfaceHit) -> bool + Copy,
     ) {
+        count_callback();
         let prim = query.prim_id();
         let Some(clusters) = &self.clusters else {
             return self.trace_triangle(query, prim, query.valid(), normals, report);

@@ -9,6 +9,7 @@ mod inspection;
 mod kinds;
 mod prepare;
 mod spheres;
+mod tessellate;
 
 use std::sync::Arc;
 
@@ -23,6 +24,7 @@ pub use counters::{Counters, counters};
 pub use inspection::{Heights, Inspection, MemoryNeed, SideLengths};
 pub use kinds::Kinds;
 pub use spheres::Spheres;
+pub use tessellate::Tessellation;
 
 /// What Embree is given as one primitive. Hits name triangles either way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -92,6 +92,6 @@ fn straighten_neighbours(mesh: &Mesh, topology: &Topology, records: &mut [PatchR
     }
 }
 
-fn is_plane(record: &PatchRecord) -> bool {
+pub(super) fn is_plane(record: &PatchRecord) -> bool {
     matches!(record.kind(), PatchKind::Flat(_) | PatchKind::Degenerate)
 }

@@ -1031,6 +1031,9 @@ pub struct CurvetriEmbree {
     pub set_geometry_time_step_count: ::std::option::Option<
         unsafe extern "C" fn(geometry: RTCGeometry, count: ::std::os::raw::c_uint),
     >,
+    pub set_geometry_tessellation_rate: ::std::option::Option<
+        unsafe extern "C" fn(geometry: RTCGeometry, rate: f32),
+    >,
     pub set_new_geometry_buffer: ::std::option::Option<
         unsafe extern "C" fn(
             geometry: RTCGeometry,
@@ -1171,7 +1174,7 @@ pub struct CurvetriEmbree {
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of CurvetriEmbree"][::std::mem::size_of::<CurvetriEmbree>() - 312usize];
+    ["Size of CurvetriEmbree"][::std::mem::size_of::<CurvetriEmbree>() - 320usize];
     ["Alignment of CurvetriEmbree"][::std::mem::align_of::<CurvetriEmbree>() - 8usize];
     [
         "Offset of field: CurvetriEmbree::new_device",
@@ -1213,84 +1216,87 @@ const _: () = {
         "Offset of field: CurvetriEmbree::set_geometry_time_step_count",
     ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_time_step_count) - 96usize];
     [
+        "Offset of field: CurvetriEmbree::set_geometry_tessellation_rate",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_tessellation_rate) - 104usize];
+    [
         "Offset of field: CurvetriEmbree::set_new_geometry_buffer",
-    ][::std::mem::offset_of!(CurvetriEmbree, set_new_geometry_buffer) - 104usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, set_new_geometry_buffer) - 112usize];
     [
         "Offset of field: CurvetriEmbree::set_geometry_intersect_filter",
-    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_intersect_filter) - 112usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_intersect_filter) - 120usize];
     [
         "Offset of field: CurvetriEmbree::set_geometry_occluded_filter",
-    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_occluded_filter) - 120usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_occluded_filter) - 128usize];
     [
         "Offset of field: CurvetriEmbree::set_geometry_primitive_count",
-    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_primitive_count) - 128usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_primitive_count) - 136usize];
     [
         "Offset of field: CurvetriEmbree::set_geometry_bounds_function",
-    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_bounds_function) - 136usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_bounds_function) - 144usize];
     [
         "Offset of field: CurvetriEmbree::set_geometry_intersect_function",
     ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_intersect_function)
-        - 144usize];
+        - 152usize];
     [
         "Offset of field: CurvetriEmbree::set_geometry_occluded_function",
-    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_occluded_function) - 152usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_occluded_function) - 160usize];
     [
         "Offset of field: CurvetriEmbree::set_geometry_instanced_scene",
-    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_instanced_scene) - 160usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_instanced_scene) - 168usize];
     [
         "Offset of field: CurvetriEmbree::set_geometry_transform",
-    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_transform) - 168usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_transform) - 176usize];
     [
         "Offset of field: CurvetriEmbree::new_scene",
-    ][::std::mem::offset_of!(CurvetriEmbree, new_scene) - 176usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, new_scene) - 184usize];
     [
         "Offset of field: CurvetriEmbree::release_scene",
-    ][::std::mem::offset_of!(CurvetriEmbree, release_scene) - 184usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, release_scene) - 192usize];
     [
         "Offset of field: CurvetriEmbree::set_scene_flags",
-    ][::std::mem::offset_of!(CurvetriEmbree, set_scene_flags) - 192usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, set_scene_flags) - 200usize];
     [
         "Offset of field: CurvetriEmbree::set_scene_build_quality",
-    ][::std::mem::offset_of!(CurvetriEmbree, set_scene_build_quality) - 200usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, set_scene_build_quality) - 208usize];
     [
         "Offset of field: CurvetriEmbree::attach_geometry",
-    ][::std::mem::offset_of!(CurvetriEmbree, attach_geometry) - 208usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, attach_geometry) - 216usize];
     [
         "Offset of field: CurvetriEmbree::commit_scene",
-    ][::std::mem::offset_of!(CurvetriEmbree, commit_scene) - 216usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, commit_scene) - 224usize];
     [
         "Offset of field: CurvetriEmbree::get_scene_bounds",
-    ][::std::mem::offset_of!(CurvetriEmbree, get_scene_bounds) - 224usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, get_scene_bounds) - 232usize];
     [
         "Offset of field: CurvetriEmbree::intersect1",
-    ][::std::mem::offset_of!(CurvetriEmbree, intersect1) - 232usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, intersect1) - 240usize];
     [
         "Offset of field: CurvetriEmbree::intersect4",
-    ][::std::mem::offset_of!(CurvetriEmbree, intersect4) - 240usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, intersect4) - 248usize];
     [
         "Offset of field: CurvetriEmbree::intersect8",
-    ][::std::mem::offset_of!(CurvetriEmbree, intersect8) - 248usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, intersect8) - 256usize];
     [
         "Offset of field: CurvetriEmbree::intersect16",
-    ][::std::mem::offset_of!(CurvetriEmbree, intersect16) - 256usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, intersect16) - 264usize];
     [
         "Offset of field: CurvetriEmbree::occluded1",
-    ][::std::mem::offset_of!(CurvetriEmbree, occluded1) - 264usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, occluded1) - 272usize];
     [
         "Offset of field: CurvetriEmbree::occluded4",
-    ][::std::mem::offset_of!(CurvetriEmbree, occluded4) - 272usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, occluded4) - 280usize];
     [
         "Offset of field: CurvetriEmbree::occluded8",
-    ][::std::mem::offset_of!(CurvetriEmbree, occluded8) - 280usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, occluded8) - 288usize];
     [
         "Offset of field: CurvetriEmbree::occluded16",
-    ][::std::mem::offset_of!(CurvetriEmbree, occluded16) - 288usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, occluded16) - 296usize];
     [
         "Offset of field: CurvetriEmbree::filter_intersect",
-    ][::std::mem::offset_of!(CurvetriEmbree, filter_intersect) - 296usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, filter_intersect) - 304usize];
     [
         "Offset of field: CurvetriEmbree::filter_occluded",
-    ][::std::mem::offset_of!(CurvetriEmbree, filter_occluded) - 304usize];
+    ][::std::mem::offset_of!(CurvetriEmbree, filter_occluded) - 312usize];
 };
 unsafe extern "C" {
     pub fn curvetri_embree() -> *const CurvetriEmbree;

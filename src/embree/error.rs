@@ -5,6 +5,8 @@ use std::ffi::{CStr, c_char, c_void};
 use std::fmt;
 
 use super::device::Version;
+use super::geometry::Geometry;
+use super::meshes::Grid;
 use super::sys;
 
 /// What Embree or this wrapper over it refuses.
@@ -55,6 +57,23 @@ pub enum Error {
         /// How many there may be.
         limit: usize,
     },
+    /// A grid has too few or too many vertices along a side, or names vertices that do not exist.
+    #[error(
+        "grid {number} has {} by {} vertices from {} on, {} apart by row: a side has 2 to {}, and \
+         there are {vertices} vertices",
+        .grid.width, .grid.height, .grid.first, .grid.stride, Grid::MOST
+    )]
+    Grid {
+        /// The grid's number, from 0.
+        number: usize,
+        /// The grid.
+        grid: Grid,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+    /// A level of subdivision out of range.
+    #[error("a subdivision level is 1 to {limit}, not {0}", limit = Geometry::FINEST_LEVEL)]
+    Level(u32),
     /// A geometry has no or more than 129 time steps.
     #[error("a geometry has 1 to {limit} time steps, not {0}", limit = sys::RTC_MAX_TIME_STEP_COUNT)]
     TimeSteps(u32),

@@ -4,8 +4,6 @@ use std::ffi::c_void;
 use std::fmt;
 use std::sync::Arc;
 
-use glam::Vec3;
-
 use super::device::Device;
 use super::error::{Error, attempt};
 use super::filter::{self, Filter};
@@ -111,52 +109,6 @@ impl Geometry {
         Ok(builder)
     }
 
-    /// Embree's own flat triangles, from copies of the vertices and of three vertex numbers a
-    /// triangle. Hits have u and v of the second and the third vertex, and a normal that is the cross
-    /// product of two sides.
-    ///
-    /// # Errors
-    /// If a triangle names a vertex that does not exist, there are more than Embree can number, or
-    /// there is not enough memory.
-    pub fn triangles(
-        device: &Device,
-        positions: &[Vec3],
-        indices: &[[u32; 3]],
-    ) -> Result<GeometryBuilder, Error> {
-        let limit = u32::MAX as usize - 1;
-        for (what, count) in [("vertices", positions.len()), ("triangles", indices.len())] {
-            if count > limit {
-                return Err(Error::TooMany { what, count, limit });
-            }
-        }
-        for (triangle, corners) in indices.iter().enumerate() {
-            if let Some(&index) = corners
-                .iter()
-                .find(|index| **index as usize >= positions.len())
-            {
-                return Err(Error::Index {
-                    triangle,
-                    index,
-                    vertices: positions.len(),
-                });
-            }
-        }
-        let builder =
-            GeometryBuilder::new(device, RTCGeometryType::RTC_GEOMETRY_TYPE_TRIANGLE, None)?;
-        let positions: &[[f32; 3]] = &positions.iter().map(Vec3::to_array).collect::<Vec<_>>();
-        builder.fill(
-            RTCBufferType::RTC_BUFFER_TYPE_VERTEX,
-            RTCFormat::RTC_FORMAT_FLOAT3,
-            positions,
-        )?;
-        builder.fill(
-            RTCBufferType::RTC_BUFFER_TYPE_INDEX,
-            RTCFormat::RTC_FORMAT_UINT3,
-            indices,
-        )?;
-        Ok(builder)
-    }
-
     pub(super) fn handle(&self) -> sys::RTCGeometry {
         self.0.handle
     }
@@ -189,14 +141,14 @@ impl fmt::Debug for Geometry {
         let kind = match (&self.0.callbacks.shape, &self.0.instanced) {
             (Some(_), _) => "user",
             (None, Some(_)) => "instance",
-            (None, None) => "triangles",
+            (None, None) => "mesh",
         };
         write!(formatter, "Geometry({kind})")
     }
 }
 
 impl GeometryBuilder {
-    fn new(
+    pub(super) fn new(
         device: &Device,
         kind: RTCGeometryType,
         shape: Option<Arc<dyn UserGeometry>>,
@@ -307,23 +259,23 @@ impl GeometryBuilder {
         Ok(Geometry(Arc::new(self.shared)))
     }
 
-    /// Copies items into a buffer that Embree allocates, with the padding its loads need.
-    fn fill<T: Copy>(
+    /// Copies items into a buffer that Embree allocates, with the padding its loads need. An item is
+    /// what the format says, of four-byte alignment at most.
+    pub(super) fn fill<T: Copy>(
         &self,
         kind: RTCBufferType,
         format: RTCFormat,
-        items: &[[T; 3]],
+        items: &[T],
     ) -> Result<(), Error> {
-        let stride = size_of::<[T; 3]>();
         let handle = self.shared.handle;
-        // SAFETY: the handle is a live triangle geometry.
+        // SAFETY: the handle is a live geometry of Embree's own.
         let buffer = attempt("allocate a buffer", || unsafe {
             embree!(set_new_geometry_buffer(
                 handle,
                 kind,
                 0,
                 format,
-                stride,
+                size_of::<T>(),
                 items.len()
             ))
         })?;
@@ -331,7 +283,7 @@ impl GeometryBuilder {
             // SAFETY: without an error Embree returns a buffer of that many items of that size,
             // aligned to 16 bytes.
             unsafe {
-                std::ptr::copy_nonoverlapping(items.as_ptr(), buffer.cast::<[T; 3]>(), items.len())
+                std::ptr::copy_nonoverlapping(items.as_ptr(), buffer.cast::<T>(), items.len())
             };
         }
         Ok(())

@@ -1,7 +1,8 @@
 //! A safe wrapper over the installed Embree, 3.13 or 4.x.
 //!
 //! A [`Device`] is Embree itself. [`Geometry`]s are made with it, built step by step and then
-//! committed: triangles of Embree's own, or anything that Rust code can bound and intersect
+//! committed: triangles, grids and
+//! subdivision surfaces of Embree's own, or anything that Rust code can bound and intersect
 //! ([`UserGeometry`]). A [`SceneBuilder`] puts them under one tree; the [`Scene`] it ends in is immutable
 //! and traced from any number of threads, by packets of 1, 4, 8 or 16 rays ([`RayPacket`]).
 //!
@@ -38,6 +39,7 @@ mod error;
 mod filter;
 mod geometry;
 mod instance;
+mod meshes;
 mod packet;
 mod query;
 mod ray;
@@ -55,6 +57,7 @@ pub use device::{Device, Memory, Version};
 pub use error::{Error, ErrorCode};
 pub use filter::{Candidate, Filter};
 pub use geometry::{BuildQuality, Geometry, GeometryBuilder};
+pub use meshes::Grid;
 pub use packet::{Hits, RayPacket, Rays, Traced, Width};
 pub use query::QueryOptions;
 pub use ray::{Hit, LARGEST_COMPONENT, Ray, SurfaceHit};

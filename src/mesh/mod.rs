@@ -47,6 +47,7 @@ pub use raw::{NO_NORMAL, RawMesh};
 pub use scenery::{FileCamera, Scenery};
 pub use topology::{NO_TRIANGLE, SideKind, Topology, TopologyCounts};
 pub use triangle_mesh::{Bounds, Mesh};
+pub(crate) use weld::weld;
 
 /// How a mesh is made of what a file says.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -113,6 +113,8 @@ mod tests {
                 bounce: 1,
             },
             kernel: Counters {
+                callbacks: 5,
+                tests: 7,
                 calls: 16,
                 evaluations: 40,
             },

@@ -3,6 +3,7 @@
 mod filters;
 mod instances;
 mod lifetimes;
+mod meshes;
 mod packets;
 mod panics;
 mod rays;

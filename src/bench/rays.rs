@@ -1,0 +1,294 @@
+//! The rays that are traced: the same for all forms.
+
+use std::f32::consts::TAU;
+
+use glam::Vec3;
+
+use crate::bodies::SplitMix;
+use crate::curved::CurvedMesh;
+use crate::embree::{QueryOptions, Ray, RayPacket, Scene};
+
+/// What rays are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RayKind {
+    /// From a camera, in tiles of 4 by 4 pixels.
+    Primary,
+    /// From what the camera sees, one a pixel in the pixels' order, cosine-distributed.
+    Bounce,
+    /// From what the camera sees to a distant light, in the pixels' order: whether anything is hit.
+    Shadow,
+    /// Like bounces, a fifth of the mesh's diagonal long: whether anything is hit.
+    AmbientOcclusion,
+    /// From random triangles of the whole surface, cosine-distributed, in no order.
+    Diffuse,
+    /// From a sphere around the mesh towards points of its box, in no order.
+    Random,
+}
+
+impl RayKind {
+    /// All kinds.
+    pub const ALL: [Self; 6] = [
+        Self::Primary,
+        Self::Bounce,
+        Self::Shadow,
+        Self::AmbientOcclusion,
+        Self::Diffuse,
+        Self::Random,
+    ];
+
+    /// As it appears in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Primary => "primary",
+            Self::Bounce => "bounce",
+            Self::Shadow => "shadow",
+            Self::AmbientOcclusion => "ambient-occlusion",
+            Self::Diffuse => "diffuse",
+            Self::Random => "random",
+        }
+    }
+
+    /// Whether it is only asked if anything is hit.
+    #[must_use]
+    pub fn is_occlusion(self) -> bool {
+        matches!(self, Self::Shadow | Self::AmbientOcclusion)
+    }
+}
+
+/// Pixels a side of the picture that primary rays are of.
+const SIDE: usize = 1024;
+/// Pixels a side of the blocks that are traced of it.
+const BLOCK: usize = 32;
+/// Pixels a side of the tiles that make a packet.
+const TILE: usize = 4;
+/// The least share of primary rays that are to hit.
+const LEAST_HITS: f64 = 0.65;
+/// Length of ambient occlusion rays over the mesh's diagonal.
+const NEAR: f32 = 0.2;
+/// How far off the surface secondary rays start: over their triangle's longest side, ...
+const OFF_SIDE: f32 = 0.02;
+/// ... and over the height of the curved surface there, so that they leave all forms.
+const OFF_HEIGHT: f32 = 1.5;
+/// Where the camera is, as seen from the mesh.
+const VIEW: Vec3 = Vec3::new(0.5, -0.7, 0.55);
+/// Where the light is.
+const LIGHT: Vec3 = Vec3::new(0.9, -0.1, 0.6);
+
+/// Makes rays for the curved form of a mesh.
+pub(super) struct RayMaker<'a> {
+    scene: &'a Scene,
+    curved: &'a CurvedMesh,
+    /// About how many rays of a kind.
+    count: usize,
+    random: SplitMix,
+}
+
+/// Where a secondary ray may start.
+struct Start {
+    point: Vec3,
+    normal: Vec3,
+}
+
+impl<'a> RayMaker<'a> {
+    pub fn new(scene: &'a Scene, curved: &'a CurvedMesh, count: usize) -> Self {
+        Self {
+            scene,
+            curved,
+            count,
+            random: SplitMix::new(7),
+        }
+    }
+
+    /// The rays of each kind, in the order of [`RayKind::ALL`].
+    pub fn make(&mut self) -> Vec<Vec<Ray>> {
+        let primary = self.primary();
+        let seen = self.seen(&primary);
+        let diagonal = self.diagonal();
+        let bounce: Vec<Ray> = seen.iter().map(|start| self.scattered(start)).collect();
+        let light = LIGHT.normalize();
+        let facing = seen.iter().filter(|start| start.normal.dot(light) > 0.0);
+        let shadow = facing.map(|start| Ray::new(start.point, light)).collect();
+        let near = seen.iter().map(|start| self.scattered(start));
+        let near = near.map(|ray| ray.between(0.0, NEAR * diagonal)).collect();
+        let diffuse = self.diffuse();
+        vec![primary, bounce, shadow, near, diffuse, self.random_rays()]
+    }
+
+    fn unit(&mut self) -> f32 {
+        self.random.between(0.0, 1.0) as f32
+    }
+
+    fn centre(&self) -> Vec3 {
+        let bounds = self.scene.bounds();
+        0.5 * (bounds.lower + bounds.upper)
+    }
+
+    fn diagonal(&self) -> f32 {
+        let bounds = self.scene.bounds();
+        (bounds.upper - bounds.lower).length()
+    }
+
+    /// Camera rays of as many blocks of the picture as are wanted, spread over it.
+    fn primary(&self) -> Vec<Ray> {
+        let camera = self.camera();
+        let blocks = SIDE / BLOCK;
+        let wanted = (self.count / (BLOCK * BLOCK)).clamp(1, blocks * blocks);
+        let mut rays = Vec::with_capacity(wanted * BLOCK * BLOCK);
+        for n in 0..wanted {
+            // a low-discrepancy choice of blocks, in rising order
+            let block = n * blocks * blocks / wanted;
+            let row = block / blocks;
+            let column = (block % blocks + row * 13) % blocks;
+            let tiles = BLOCK / TILE;
+            for pixel in 0..BLOCK * BLOCK {
+                let (tile, within) = (pixel / (TILE * TILE), pixel % (TILE * TILE));
+                let x = column * BLOCK + tile % tiles * TILE + within % TILE;
+                let y = row * BLOCK + tile / tiles * TILE + within / TILE;
+                let at = |n: usize| 2.0 * (n as f32 + 0.5) / SIDE as f32 - 1.0;
+                rays.push(camera.ray(at(x), at(y)));
+            }
+        }
+        rays
+    }
+
+    /// A camera that sees the mesh, near enough for most rays to hit.
+    fn camera(&self) -> Camera {
+        let (centre, diagonal) = (self.centre(), self.diagonal());
+        let eye = centre + 2.0 * diagonal * VIEW.normalize();
+        let whole = Camera::new(eye, centre, 0.25);
+        let probes = || {
+            let at = |n: usize| (n as f32 + 0.5) / 32.0 - 1.0;
+            (0..64 * 64).map(move |n| [at(n % 64), at(n / 64)])
+        };
+        let hit = |camera: &Camera, [x, y]: [f32; 2]| {
+            let ray = camera.ray(x, y);
+            let hit = self.scene.intersect1(&ray, &QueryOptions::default())?;
+            Some(ray.at(hit.t))
+        };
+        let nearest_middle = probes()
+            .filter_map(|at| Some((at, hit(&whole, at)?)))
+            .min_by(|(a, _), (b, _)| {
+                let far = |[x, y]: &[f32; 2]| x * x + y * y;
+                far(a).total_cmp(&far(b))
+            });
+        let target = nearest_middle.map_or(centre, |(_, point)| point);
+        let mut camera = Camera::new(eye, target, 0.25);
+        for _ in 0..24 {
+            let hits = probes().filter(|at| hit(&camera, *at).is_some()).count();
+            if hits as f64 >= LEAST_HITS * probes().count() as f64 {
+                break;
+            }
+            camera = Camera::new(eye, target, 0.88 * camera.reach);
+        }
+        camera
+    }
+
+    /// Where primary rays hit, in their order.
+    fn seen(&self, rays: &[Ray]) -> Vec<Start> {
+        let mut seen = Vec::new();
+        for rays in rays.chunks(16) {
+            let mut packet = RayPacket::<16>::from_rays(rays);
+            self.scene.intersect(&mut packet, &QueryOptions::COHERENT);
+            for (lane, ray) in rays.iter().enumerate() {
+                let Some(hit) = packet.hit(lane) else {
+                    continue;
+                };
+                let normal = hit.ng.normalize_or(-ray.direction);
+                let towards = if normal.dot(ray.direction) > 0.0 {
+                    -normal
+                } else {
+                    normal
+                };
+                seen.push(self.start(hit.prim_id, ray.at(hit.t), towards));
+            }
+        }
+        seen
+    }
+
+    fn start(&self, triangle: u32, point: Vec3, normal: Vec3) -> Start {
+        let [a, b, c] = self.curved.mesh().triangle_positions(triangle as usize);
+        let plane = (b - a).cross(c - a).normalize_or_zero();
+        let height = (point - a).dot(plane).abs();
+        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+        Start {
+            point: point + normal * (OFF_HEIGHT * height + OFF_SIDE * longest),
+            normal,
+        }
+    }
+
+    /// A ray in a cosine-distributed direction.
+    fn scattered(&mut self, start: &Start) -> Ray {
+        let aside = self.direction();
+        let direction = (start.normal + 0.999 * aside).normalize_or(start.normal);
+        Ray::new(start.point, direction)
+    }
+
+    /// A direction, all equally likely.
+    fn direction(&mut self) -> Vec3 {
+        let (z, turn) = (2.0 * self.unit() - 1.0, TAU * self.unit());
+        let flat = (1.0 - z * z).max(0.0).sqrt();
+        Vec3::new(flat * turn.cos(), flat * turn.sin(), z)
+    }
+
+    fn diffuse(&mut self) -> Vec<Ray> {
+        let triangles = self.curved.mesh().triangles().len() as u64;
+        let mut rays = Vec::with_capacity(self.count);
+        for _ in 0..self.count {
+            let triangle = (self.random.next() % triangles) as u32;
+            let (mut u, mut v) = (self.unit(), self.unit());
+            if u + v > 1.0 {
+                (u, v) = (1.0 - u, 1.0 - v);
+            }
+            let point = self.curved.patch(triangle).point(u, v);
+            let (position, normal) = (Vec3::from(point.position), Vec3::from(point.normal));
+            if position.is_finite() && normal.is_finite() {
+                let start = self.start(triangle, position, normal);
+                rays.push(self.scattered(&start));
+            }
+        }
+        rays
+    }
+
+    fn random_rays(&mut self) -> Vec<Ray> {
+        let (bounds, centre) = (self.scene.bounds(), self.centre());
+        let count = self.count;
+        let radius = 0.75 * self.diagonal();
+        let mut ray = || {
+            let origin = centre + radius * self.direction();
+            let share = Vec3::new(self.unit(), self.unit(), self.unit());
+            let target = bounds.lower + share * (bounds.upper - bounds.lower);
+            Ray::new(origin, (target - origin).normalize_or(Vec3::Z))
+        };
+        (0..count).map(|_| ray()).collect()
+    }
+}
+
+struct Camera {
+    eye: Vec3,
+    forward: Vec3,
+    right: Vec3,
+    up: Vec3,
+    /// Tangent of half the angle of view.
+    reach: f32,
+}
+
+impl Camera {
+    fn new(eye: Vec3, target: Vec3, reach: f32) -> Self {
+        let forward = (target - eye).normalize();
+        let right = forward.cross(Vec3::Z).normalize_or(Vec3::X);
+        Self {
+            eye,
+            forward,
+            right,
+            up: right.cross(forward),
+            reach,
+        }
+    }
+
+    /// The ray through a place of the picture, -1 to 1.
+    fn ray(&self, x: f32, y: f32) -> Ray {
+        let aside = x * self.right - y * self.up;
+        Ray::new(self.eye, (self.forward + self.reach * aside).normalize())
+    }
+}
