@@ -32,6 +32,12 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Parsed, Fault> {
         ..LoadReport::default()
     };
     warn(&mut report, &cleaner.libraries, path);
+    if cleaner.more_libraries > 0 {
+        report.warnings.push(format!(
+            "{} lines name further material libraries, which were not looked for",
+            cleaner.more_libraries
+        ));
+    }
     let mesh = models.into_iter().next().map(|m| m.mesh);
     let raw = into_raw(mesh.unwrap_or_default());
     Ok(Parsed { raw, report })

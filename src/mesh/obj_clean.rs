@@ -12,6 +12,9 @@ use super::text::is_written_nan;
 /// reaches tobj as NaN.
 const NO_NORMAL_LINE: &str = "vn NaN NaN NaN\n";
 
+/// How many material libraries are looked for: so many are only named in files made to be slow.
+const MAX_LIBRARIES: usize = 64;
+
 /// How many vertices or normals there are.
 #[derive(Clone, Copy, Default)]
 struct Count {
@@ -39,8 +42,10 @@ pub(super) struct Cleaner<'a> {
     pub(super) polygons: u64,
     /// Elements that are no surface.
     pub(super) skipped: u64,
-    /// The material libraries named.
+    /// The material libraries named, the first of them.
     pub(super) libraries: Vec<String>,
+    /// Lines with others.
+    pub(super) more_libraries: u64,
 }
 
 impl<'a> Cleaner<'a> {
@@ -66,6 +71,7 @@ impl<'a> Cleaner<'a> {
             polygons: 0,
             skipped: 0,
             libraries: Vec::new(),
+            more_libraries: 0,
         }
     }
 
@@ -97,13 +103,21 @@ impl<'a> Cleaner<'a> {
                 Ok(())
             }
             "mtllib" => {
-                let library = line.rest.trim().to_owned();
-                if !library.is_empty() && !self.libraries.contains(&library) {
-                    self.libraries.push(library);
-                }
+                self.library(line.rest.trim());
                 Ok(())
             }
             _ => Ok(()),
+        }
+    }
+
+    fn library(&mut self, name: &str) {
+        if name.is_empty() || self.libraries.iter().any(|known| known == name) {
+            return;
+        }
+        if self.libraries.len() < MAX_LIBRARIES {
+            self.libraries.push(name.to_owned());
+        } else {
+            self.more_libraries += 1;
         }
     }
 
