@@ -121,7 +121,7 @@ pub fn files() -> Vec<File> {
 const COPIES: &str = r#""nodes":[{"mesh":0},{"mesh":0,"translation":[3,0,0]},{"mesh":0,"scale":[-1,2,1],"translation":[0,3,0]},{"mesh":0,"rotation":[0,0.7071068,0,0.7071068]}]"#;
 
 /// Nodes in nodes, a mirroring matrix, a camera and a lamp.
-const TREE: &str = r#""scene":1,"scenes":[{},{"nodes":[0,3]}],"nodes":[{"children":[1,2],"matrix":[-1,0,0,0,0,1,0,0,0,0,1,0,5,6,7,1]},{"mesh":0},{"camera":0,"translation":[0,0,4]},{"extensions":{"KHR_lights_punctual":{"light":0}}}],"cameras":[{"type":"perspective","perspective":{"yfov":0.7,"znear":0.1}}],"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[{"type":"directional","intensity":3}]}}"#;
+const TREE: &str = r#""scene":1,"scenes":[{"nodes":[]},{"nodes":[0,3]}],"nodes":[{"children":[1,2],"matrix":[-1,0,0,0,0,1,0,0,0,0,1,0,5,6,7,1]},{"mesh":0},{"camera":0,"translation":[0,0,4]},{"extensions":{"KHR_lights_punctual":{"light":0}}}],"cameras":[{"type":"perspective","perspective":{"yfov":0.7,"znear":0.1}}],"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[{"type":"directional","intensity":3}]}}"#;
 
 fn primitives() -> Vec<u8> {
     let mut builder = Builder::default();
