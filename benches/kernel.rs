@@ -1,9 +1,11 @@
 //! Nanoseconds of one kernel call: one triangle of a finely cut torus against rays that hit it,
-//! that its clip rejects, and that pass between its slab and its surface.
+//! that its clip rejects, and that come past the clip but miss the surface; in our own form and in the
+//! paper's, whose clip lets other rays past.
 //!
 //! Run with `cargo bench --bench kernel`; every figure is for one call, so one of a packet is for
 //! sixteen rays.
 
+use curvetri::curved::CurvedOptions;
 use curvetri::surface::{
     Outline, Patch, PatchFlags, PatchRecord, Ray, RayLanes, Solver, Surface, Vector, vector,
 };
@@ -21,7 +23,36 @@ enum Fate {
     RootMiss,
 }
 
-const FATES: [Fate; 3] = [Fate::Hit, Fate::ClipMiss, Fate::RootMiss];
+/// The form of the method.
+#[derive(Clone, Copy, Debug)]
+enum Method {
+    Default,
+    Paper,
+}
+
+impl Method {
+    fn options(self) -> CurvedOptions {
+        match self {
+            Method::Default => CurvedOptions::default(),
+            Method::Paper => CurvedOptions::paper(),
+        }
+    }
+
+    fn triangle(self) -> Triangle {
+        let options = self.options();
+        Triangle::new(PatchFlags::new(options.surface).with_bounds(options.bounds))
+    }
+}
+
+/// What becomes of a ray in which form.
+const CASES: [(Method, Fate); 6] = [
+    (Method::Default, Fate::Hit),
+    (Method::Default, Fate::ClipMiss),
+    (Method::Default, Fate::RootMiss),
+    (Method::Paper, Fate::Hit),
+    (Method::Paper, Fate::ClipMiss),
+    (Method::Paper, Fate::RootMiss),
+];
 const SURFACES: [Surface; 3] = Surface::ALL;
 /// Rays of each fate; a power of two.
 const RAYS: usize = 256;
@@ -34,7 +65,7 @@ struct Triangle {
 
 impl Triangle {
     /// A triangle of a torus of radii 1 and 1/4, cut into 48 by 64 quadrangles, on its outer side.
-    fn new(surface: Surface) -> Self {
+    fn new(flags: PatchFlags) -> Self {
         let corner = |around: f32, tube: f32| {
             let normal = vector(
                 tube.cos() * around.cos(),
@@ -51,7 +82,6 @@ impl Triangle {
             corner(0.3, 0.2 + turn),
         ];
         let (positions, normals) = (corners.map(|c| c.0), corners.map(|c| c.1));
-        let flags = PatchFlags::new(surface);
         let record = Patch::new(positions, normals, flags).record(flags);
         Self {
             positions,
@@ -106,9 +136,9 @@ impl Triangle {
 }
 
 /// The whole call of a single ray, as the callback makes it.
-#[divan::bench(args = FATES)]
-fn single(bencher: Bencher<'_, '_>, fate: Fate) {
-    let triangle = Triangle::new(Surface::Smooth);
+#[divan::bench(args = CASES)]
+fn single(bencher: Bencher<'_, '_>, (method, fate): (Method, Fate)) {
+    let (triangle, solver) = (method.triangle(), method.options().solver);
     let rays = triangle.rays(fate);
     let mut n = 0;
     bencher.bench_local(|| {
@@ -120,15 +150,15 @@ fn single(bencher: Bencher<'_, '_>, fate: Fate) {
             return None;
         }
         let patch = outline.complete();
-        let hit = patch.intersect_single(&segment, ray, Solver::default());
+        let hit = patch.intersect_single(&segment, ray, solver);
         hit.found.then(|| (hit.t, patch.normal_at(hit.u, hit.v)))
     });
 }
 
 /// The whole call of sixteen rays.
-#[divan::bench(args = FATES)]
-fn packet_of_16(bencher: Bencher<'_, '_>, fate: Fate) {
-    let triangle = Triangle::new(Surface::Smooth);
+#[divan::bench(args = CASES)]
+fn packet_of_16(bencher: Bencher<'_, '_>, (method, fate): (Method, Fate)) {
+    let (triangle, solver) = (method.triangle(), method.options().solver);
     let rays = triangle.rays(fate);
     let column = |of: fn(&Ray<f32>) -> f32| rays.iter().map(of).collect::<Vec<_>>();
     let origin = [
@@ -153,14 +183,14 @@ fn packet_of_16(bencher: Bencher<'_, '_>, fate: Fate) {
         };
         triangle
             .outline()
-            .intersect_packet(black_box(&packet), 0xffff, Solver::default(), true)
+            .intersect_packet(black_box(&packet), 0xffff, solver, true)
     });
 }
 
 /// One evaluation of F for one ray.
 #[divan::bench(args = SURFACES)]
 fn evaluation(bencher: Bencher<'_, '_>, surface: Surface) {
-    let triangle = Triangle::new(surface);
+    let triangle = Triangle::new(PatchFlags::new(surface));
     let rays = triangle.rays(Fate::Hit);
     let patch = triangle.outline().complete();
     let segments: Vec<_> = rays.iter().map(|ray| patch.clip(ray, true)).collect();
@@ -174,7 +204,7 @@ fn evaluation(bencher: Bencher<'_, '_>, surface: Surface) {
 /// The patch from what is kept of it: half of it for the clip, and the whole.
 #[divan::bench(args = [false, true])]
 fn set_up(bencher: Bencher<'_, '_>, whole: bool) {
-    let triangle = Triangle::new(Surface::Smooth);
+    let triangle = Triangle::new(PatchFlags::default());
     bencher.bench_local(|| {
         let outline = triangle.outline();
         if whole {

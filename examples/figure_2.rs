@@ -12,9 +12,7 @@ use std::io::Cursor;
 use curvetri::bodies::Body;
 use curvetri::curved::CurvedOptions;
 use curvetri::embree::Device;
-use curvetri::render::{
-    Background, Form, Framing, Ground, Lighting, OutputFile, Picture, Scene, UpAxis, render,
-};
+use curvetri::render::{Background, Form, Framing, OutputFile, Picture, Scene, UpAxis, render};
 use image::{RgbaImage, imageops};
 
 const TILE: [usize; 2] = [320, 264];
@@ -59,13 +57,8 @@ fn tile(scene: &Scene) -> Result<RgbaImage, Box<dyn std::error::Error>> {
         shadows_of: None,
     };
     let picture = Picture {
-        width,
-        height,
-        samples: 16,
-        camera: framing.camera(scene),
-        lighting: Lighting::daylight(up),
         albedo: 0.8,
-        ground: Ground::None,
+        ..Picture::new(width, height, framing.camera(scene), up)
     };
     let (film, _) = render(scene, &picture, &|_, _| {})?;
     let mut png = Cursor::new(Vec::new());

@@ -18,7 +18,7 @@ const BODIES: [(&str, u64); 9] = [
     ("torus-48x64", 6144),
     ("torus-96x128", 24576),
 ];
-const OURS: [&str; 4] = ["flat", "angular", "tensor", "smooth"];
+const OURS: [&str; 5] = ["flat", "paper", "angular", "tensor", "smooth"];
 
 fn json(args: &[&str]) -> Value {
     let shop = Workshop::new();
@@ -26,7 +26,9 @@ fn json(args: &[&str]) -> Value {
     serde_json::from_str(&stdout(&shop.succeeds(&args))).unwrap()
 }
 
-fn check_rows(report: &Value, surfaces: &[&str]) {
+/// `loses`: whether the paper's rays are looked at triangle by triangle, so that those into a folded
+/// triangle's holes are lost; through the whole body they go on to what is behind.
+fn check_rows(report: &Value, surfaces: &[&str], loses: bool) {
     let mut rows = report["rows"].as_array().unwrap().iter();
     for (body, triangles) in BODIES {
         for &surface in surfaces {
@@ -42,7 +44,12 @@ fn check_rows(report: &Value, surfaces: &[&str]) {
             } else {
                 assert!(number("jump_deg") > 0.0);
             }
-            assert_eq!(row["missed"], 0, "{row}");
+            let points = number("points") + number("missed");
+            let folds = loses && surface == "paper" && row["flat_by_default"] != 0;
+            assert!(
+                number("missed") <= if folds { 0.05 * points } else { 0.0 },
+                "{row}"
+            );
         }
     }
     assert!(rows.next().is_none());
@@ -51,20 +58,20 @@ fn check_rows(report: &Value, surfaces: &[&str]) {
 #[test]
 fn json_has_a_row_for_every_body_and_surface() {
     let report = json(&[]);
-    check_rows(&report, &OURS);
+    check_rows(&report, &OURS, true);
     assert!(report.get("needed").is_none());
 }
 
 #[test]
 fn traced_json_has_the_same_rows() {
-    check_rows(&json(&["--traced"]), &OURS);
+    check_rows(&json(&["--traced"]), &OURS, false);
 }
 
 #[test]
 fn peers_come_with_their_orders_and_triangle_counts() {
     let report = json(&["--peers"]);
     let surfaces = [&OURS[..], &["pn", "phong", "nagata"]].concat();
-    check_rows(&report, &surfaces);
+    check_rows(&report, &surfaces, true);
     let convergence = report["convergence"].as_array().unwrap();
     assert_eq!(convergence.len(), 4 * surfaces.len());
     let last = |surface: &str| {
@@ -94,7 +101,7 @@ fn the_table_for_people_names_everything() {
         assert!(text.contains(body), "{text}");
     }
     assert!(text.contains("48 flat by default"), "{text}");
-    assert!(!text.contains("missed"), "{text}");
+    assert!(text.matches("points missed").count() <= 1, "{text}");
 }
 
 #[test]

@@ -119,6 +119,11 @@ fn nonsense_is_a_usage_error() {
         &["--sun-direction", "0,0,0"],
         &["--surface", "bumpy"],
         &["--surface", "flat", "--ita-bits", "9"],
+        &["--surface", "flat", "--method", "paper"],
+        &["--surface", "flat", "--bounds", "tight"],
+        &["--surface", "flat", "--solver", "finish"],
+        &["--solver", "finish", "--ita-step", "2"],
+        &["--method", "best"],
         &["--ita-bits", "0"],
         &["--ita-step", "40"],
         &["--crease-angle", "NaN"],
@@ -147,6 +152,24 @@ fn nonsense_is_a_usage_error() {
 }
 
 #[test]
+fn contradicting_parts_of_the_method_are_told_with_what_to_do() {
+    let shop = Workshop::new();
+    let mesh = shop.write("m.obj", TRIANGLE);
+    let said = |args: &[&str]| shop.fails(2, &[&["inspect", &mesh], args].concat());
+    let flat = said(&["--surface", "flat", "--method", "paper"]);
+    assert!(
+        flat.contains("--method paper is for curved surfaces"),
+        "{flat}"
+    );
+    assert!(flat.contains("leave it out, or --surface flat"), "{flat}");
+    let digits = said(&["--method", "paper", "--solver", "finish", "--ita-bits", "9"]);
+    assert!(
+        digits.contains("are for --solver ita; leave them out"),
+        "{digits}"
+    );
+}
+
+#[test]
 fn the_version_names_embree_and_its_instruction_set() {
     let shop = Workshop::new();
     for option in ["--version", "-V"] {
@@ -170,4 +193,51 @@ fn help_is_a_result_and_its_absence_a_usage_error() {
     let output = shop.run(&[]);
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("Usage: curvetri"));
+}
+
+#[test]
+fn options_of_other_integrators_materials_and_formats_are_refused() {
+    let shop = Workshop::new();
+    let mesh = shop.write("m.obj", TRIANGLE);
+    let (png, exr) = (shop.path("a.png"), shop.path("a.exr"));
+    for (output, options, reason) in [
+        (&png, "--depth 3", "--depth is for --integrator path"),
+        (
+            &png,
+            "--integrator path --ao-distance 1",
+            "--ao-distance is for",
+        ),
+        (
+            &png,
+            "--integrator ao --sky-shadows",
+            "--sky-shadows is for",
+        ),
+        (&png, "--material glass", "needs --integrator path"),
+        (
+            &png,
+            "--integrator path --ior 1.4",
+            "--ior is for --material glass",
+        ),
+        (
+            &png,
+            "--shading interpolated",
+            "--shading is for --surface flat",
+        ),
+        (
+            &png,
+            "--size 9x9 --crop 5,0,5x1",
+            "not within the picture of 9x9",
+        ),
+        (&exr, "--exposure 1", "--exposure is for .png"),
+    ] {
+        let options = options.split(' ').collect::<Vec<_>>();
+        let said = shop.fails(
+            2,
+            &[&["render", &mesh, "-o", output], &options[..]].concat(),
+        );
+        assert!(said.contains(reason), "{options:?}: {said}");
+    }
+    let said = shop.fails(2, &["render", &mesh, "-o", &shop.path("a.jpg")]);
+    assert!(said.contains("neither in .png nor in .exr"), "{said}");
+    assert_eq!(shop.names(), ["m.obj"]);
 }

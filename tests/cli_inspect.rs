@@ -71,6 +71,30 @@ fn a_report_tells_counts_kinds_and_advice() {
 }
 
 #[test]
+fn spheres_are_counted_where_they_are_asked_for() {
+    let shop = Workshop::new();
+    // Two normals that lean far out over the side between them.
+    let mesh = shop.write(
+        "steep.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 -0.9 0.45\nf 1//2 2//2 3//1\n",
+    );
+    let tight = json(&shop, &[&mesh]);
+    assert_eq!(tight["spheres"]["enlarged"], 0);
+    for options in [&["--method", "paper"][..], &["--bounds", "sphere"]] {
+        let report = json(&shop, &[options, &[mesh.as_str()]].concat());
+        let curved = [&report["kinds"]["curved"], &report["kinds"]["fallback"]];
+        let curved: u64 = curved.iter().map(|count| count.as_u64().unwrap()).sum();
+        let spheres = report["spheres"].as_object().unwrap();
+        let total: u64 = spheres.values().map(|count| count.as_u64().unwrap()).sum();
+        assert_eq!((curved, total), (1, 1), "{report}");
+    }
+    let text = stdout(&shop.succeeds(&["inspect", "--method", "paper", &mesh]));
+    assert!(text.contains("spheres    1 enlarged"), "{text}");
+    let text = stdout(&shop.succeeds(&["inspect", &mesh]));
+    assert!(!text.contains("spheres"), "{text}");
+}
+
+#[test]
 fn options_decide_what_is_hard() {
     let shop = Workshop::new();
     let mesh = shop.write("prism.stl", prism());

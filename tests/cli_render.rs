@@ -196,6 +196,48 @@ fn the_paper_s_root_finder_can_be_chosen() {
 }
 
 #[test]
+fn a_method_is_its_parts_and_each_can_be_chosen() {
+    let shop = Workshop::new();
+    let mesh = shop.sphere("ball.obj");
+    let work = |more: &[&str]| {
+        let path = shop.path("ball.png");
+        let args = ["render", &mesh, "-o", &path, "--size", "40x30", "--json"];
+        let output = shop.succeeds(&[&args[..], more].concat());
+        let stats: serde_json::Value = serde_json::from_str(&stdout(&output)).unwrap();
+        (stats["kernel"].clone(), stats["spheres"].clone())
+    };
+    let paper = work(&["--method", "paper"]);
+    // The bounds cannot tell that the ball's triangles stay within the paper's spheres.
+    assert_eq!(paper.1["enlarged"], 4);
+    let surface = ["--surface", "angular"];
+    let bounds = ["--bounds", "sphere"];
+    let solver = ["--solver", "ita"];
+    assert_eq!(paper, work(&[surface, bounds, solver].concat()));
+    let default = work(&[]);
+    assert_eq!(default.1["enlarged"], 0);
+    assert_eq!(default, work(&["--method", "default"]));
+    let ours = [
+        "--surface",
+        "smooth",
+        "--bounds",
+        "tight",
+        "--solver",
+        "finish",
+    ];
+    assert_eq!(default, work(&[&["--method", "paper"], &ours[..]].concat()));
+    // Spheres let more rays through to a patch; fewer digits take fewer evaluations.
+    let evaluations = |of: &(serde_json::Value, _)| of.0["evaluations"].as_u64().unwrap();
+    assert!(evaluations(&work(&bounds)) > evaluations(&default));
+    let few = work(&["--method", "paper", "--ita-bits", "9"]);
+    assert!(evaluations(&few) < evaluations(&paper));
+    let path = shop.path("ball.png");
+    let args = ["render", &mesh, "-o", &path, "--size", "8x8", "--stats"];
+    let text = stdout(&shop.succeeds(&[&args[..], &bounds].concat()));
+    assert!(text.contains("spheres    4 (4 enlarged)"), "{text}");
+    assert!(!stdout(&shop.succeeds(&args)).contains("spheres"));
+}
+
+#[test]
 fn nothing_is_said_unless_asked_for() {
     let shop = Workshop::new();
     let mesh = shop.sphere("ball.obj");

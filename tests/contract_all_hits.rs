@@ -3,22 +3,15 @@
 
 mod support;
 
-use curvetri::curved::CurvedOptions;
 use curvetri::embree::{Device, Hit, QueryOptions, Ray, RayPacket, Traced, Width};
 use curvetri::render::{Form, Scene};
-use curvetri::surface::Surface;
 use support::{Body, Random, Tally};
 
 /// Share of rays from outside that must cross a closed body evenly and alternately.
 const MIN_EVEN: f64 = 0.9999;
 
 fn forms() -> Vec<Form> {
-    let curved = Surface::ALL.map(|surface| {
-        Form::Curved(CurvedOptions {
-            surface,
-            ..CurvedOptions::default()
-        })
-    });
+    let curved: Vec<Form> = support::all_forms().into_iter().map(Form::Curved).collect();
     [&[Form::Flat], &curved[..]].concat()
 }
 

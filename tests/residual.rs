@@ -3,7 +3,7 @@
 mod support;
 
 use curvetri::embree::Ray;
-use curvetri::surface::{Surface, Vector};
+use curvetri::surface::Vector;
 use glam::Vec3;
 use support::{Body, Random, Traced, first_hit};
 
@@ -94,11 +94,11 @@ fn shoot(traced: &Traced, count: usize) -> Worst {
 
 fn check_all(bodies: Vec<Body>, count: usize) {
     for body in bodies {
-        for surface in Surface::ALL {
-            let traced = body.traced(surface);
+        for options in support::all_forms() {
+            let traced = body.traced_with(&options);
             let worst = shoot(&traced, count);
             println!(
-                "{} {surface:?}: {worst:?} {:?}",
+                "{} {options:?}: {worst:?} {:?}",
                 body.name,
                 traced.curved.kinds()
             );

@@ -5,7 +5,7 @@ use std::f32::consts::TAU;
 use curvetri::bodies::Body;
 use curvetri::curved::CurvedOptions;
 use curvetri::embree::Device;
-use curvetri::render::{Camera, Film, Form, Ground, Lighting, Picture, Scene, UpAxis, render};
+use curvetri::render::{Camera, Film, Form, Picture, Scene, UpAxis, render};
 use glam::{DVec2, DVec3, Vec2};
 
 /// Pixels a side of the picture; the torus nearly fills it.
@@ -29,13 +29,8 @@ fn camera(eye: DVec3) -> Camera {
 fn rendered(device: &Device, body: &Body, form: Form, camera: Camera) -> Film {
     let scene = Scene::new(device, vec![body.mesh()], form).unwrap();
     let picture = Picture {
-        width: SIDE,
-        height: SIDE,
         samples: 9,
-        camera,
-        lighting: Lighting::daylight(UpAxis::Z),
-        albedo: 0.7,
-        ground: Ground::None,
+        ..Picture::new(SIDE, SIDE, camera, UpAxis::Z)
     };
     render(&scene, &picture, &|_, _| ()).unwrap().0
 }

@@ -2,7 +2,6 @@
 
 mod support;
 
-use curvetri::surface::Surface;
 use support::{lost_rays, odd_rays};
 
 /// Share of rays that may be lost: what Embree's own watertight test allows.
@@ -13,17 +12,17 @@ const MIN_EVEN: f64 = 0.9999;
 #[test]
 fn no_ray_from_inside_is_lost() {
     for body in support::closed_bodies() {
-        for surface in Surface::ALL {
-            let traced = body.traced(surface);
+        for options in support::all_forms() {
+            let traced = body.traced_with(&options);
             let lost = lost_rays(&traced, 100_000);
             println!(
-                "{} {surface:?}: lost {lost:?}, {:?}",
+                "{} {options:?}: lost {lost:?}, {:?}",
                 traced.name,
                 traced.curved.kinds()
             );
             assert!(
                 lost.share() <= MAX_LOST,
-                "{} {surface:?}: {lost:?}",
+                "{} {options:?}: {lost:?}",
                 traced.name
             );
         }
@@ -33,13 +32,13 @@ fn no_ray_from_inside_is_lost() {
 #[test]
 fn rays_from_outside_cross_evenly_and_alternately() {
     for body in support::closed_bodies() {
-        for surface in Surface::ALL {
-            let traced = body.traced(surface);
+        for options in support::all_forms() {
+            let traced = body.traced_with(&options);
             let odd = odd_rays(&traced, 100_000);
-            println!("{} {surface:?}: odd {odd:?}", traced.name);
+            println!("{} {options:?}: odd {odd:?}", traced.name);
             assert!(
                 1.0 - odd.share() >= MIN_EVEN,
-                "{} {surface:?}: {odd:?}",
+                "{} {options:?}: {odd:?}",
                 traced.name
             );
         }

@@ -5,7 +5,7 @@
 //! the body's largest diameter. Beside it stand the angle of the surface's own geometric normal to
 //! the true one, and its jump across sides.
 //!
-//! Surfaces are measured *unchecked* ([`CurvedOptions::unchecked`]): curved as the method has them,
+//! Surfaces are measured *unchecked* ([`unchecked`](crate::curved::CurvedOptions::unchecked)): curved as the method has them,
 //! also where our own test of validity would keep a triangle flat. The paper's torus of 6 by 8
 //! pieces is so coarse that half of its triangles fail that test; the paper's figures for it are
 //! those of the curved form. [`Row::flat_by_default`] counts such triangles, so that nobody takes
@@ -16,7 +16,9 @@
 //! the cuts get finer, [`order`] and [`triangles_needed`] tell how fast a model closes in on the truth.
 //!
 //! [`measure`] computes in `f64` from the vertices; [`measure_traced`] shoots rays along the guides
-//! through Embree and the `f32` kernel.
+//! through Embree and the `f32` kernel. [`Model::Paper`] has the same surface as `angular`, and is
+//! measured by rays in both: in `f64` as well its points are those that the paper's algorithm finds,
+//! to 24 binary digits of the way through its sphere.
 
 mod bezier;
 mod facet;
@@ -32,7 +34,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::bodies::Body;
-use crate::curved::{CurvedMesh, CurvedOptions};
+use crate::curved::CurvedMesh;
 use crate::embree::{Device, Error};
 use facet::Facets;
 use probe::{Probe, Tally};
@@ -147,12 +149,8 @@ fn row(body: &Body, model: Model, probe: &impl Probe, options: &Options) -> Row 
 }
 
 fn flat_by_default(body: &Body, model: Model) -> usize {
-    let Model::Curved(surface) = model else {
+    let Some(options) = model.options() else {
         return 0;
-    };
-    let options = CurvedOptions {
-        surface,
-        ..CurvedOptions::default()
     };
     CurvedMesh::new(Arc::new(body.mesh()), &options)
         .kinds()

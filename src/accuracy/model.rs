@@ -1,5 +1,6 @@
 //! What a triangle with vertex normals can be taken for.
 
+use crate::curved::CurvedOptions;
 use crate::surface::Surface;
 
 /// What a triangle with vertex normals is taken for.
@@ -7,6 +8,9 @@ use crate::surface::Surface;
 pub enum Model {
     /// Itself.
     Flat,
+    /// The angular surface in the paper's own form: as rays find it within the sphere of greatest
+    /// curvature by the iterative algorithm ([`CurvedOptions::paper`]).
+    Paper,
     /// One of our surfaces.
     Curved(Surface),
     /// Another method's curved triangle.
@@ -25,9 +29,10 @@ pub enum Peer {
 }
 
 impl Model {
-    /// The flat triangles and our surfaces.
-    pub const OURS: [Model; 4] = [
+    /// The flat triangles, the paper's own form, and our surfaces.
+    pub const OURS: [Model; 5] = [
         Model::Flat,
+        Model::Paper,
         Model::Curved(Surface::Angular),
         Model::Curved(Surface::Tensor),
         Model::Curved(Surface::Smooth),
@@ -40,11 +45,24 @@ impl Model {
         Model::Peer(Peer::Nagata),
     ];
 
+    /// How its mesh is curved; `None` if it is not one of our curved surfaces.
+    pub(super) fn options(self) -> Option<CurvedOptions> {
+        match self {
+            Model::Flat | Model::Peer(_) => None,
+            Model::Paper => Some(CurvedOptions::paper()),
+            Model::Curved(surface) => Some(CurvedOptions {
+                surface,
+                ..CurvedOptions::default()
+            }),
+        }
+    }
+
     /// The name it has in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Model::Flat => "flat",
+            Model::Paper => "paper",
             Model::Curved(surface) => surface.name(),
             Model::Peer(Peer::Pn) => "pn",
             Model::Peer(Peer::Phong) => "phong",

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::facet::on_plane;
+use super::facet::above;
 use super::model::Model;
 use super::probe::{Point, Probe};
 use super::sampling;
@@ -15,10 +15,8 @@ use crate::embree::{
     flush_denormals,
 };
 use crate::mesh::Mesh;
-use crate::surface::{Patch, Surface};
+use crate::surface::Patch;
 
-/// How far above the highest point of its surface a ray starts, in units of the triangle's size.
-const CLEARANCE: f64 = 0.1;
 /// How far inside a side flat triangles are asked for their normal there, in barycentric
 /// coordinates: at the side itself Embree gives the point to one of the two.
 const INSIDE: f64 = 1e-3;
@@ -35,16 +33,15 @@ pub(super) struct TracedBody {
 impl TracedBody {
     pub fn new(device: &Device, body: &Body, model: Model) -> Result<Self, Error> {
         let flat = model == Model::Flat;
-        let surface = match model {
-            Model::Flat => Surface::Tensor,
-            Model::Curved(surface) => surface,
-            Model::Peer(_) => panic!("rays are traced against our own surfaces only"),
+        let curved = match model {
+            // For the guides over them.
+            Model::Flat => CurvedOptions::default(),
+            _ => (model.options()).expect("rays are traced against our own surfaces only"),
         };
         let mesh = Arc::new(body.mesh());
         let options = CurvedOptions {
-            surface,
             unchecked: true,
-            ..CurvedOptions::default()
+            ..curved
         };
         let curved = Arc::new(CurvedMesh::new(mesh.clone(), &options));
         let geometry = if flat {
@@ -67,10 +64,9 @@ impl TracedBody {
     fn ray(&self, triangle: usize, at: [f64; 2]) -> Ray {
         let patch = &self.patches[triangle];
         let corners = self.mesh.triangle_positions(triangle).map(|p| p.as_dvec3());
-        let guide: DVec3 = patch.guide_at(at[0], at[1]).into();
         let top = if self.flat { 0.0 } else { patch.heights()[1] };
-        let start = on_plane(corners, at) + guide * (top + CLEARANCE * patch.size());
-        Ray::new(start.as_vec3(), -guide.as_vec3())
+        let (start, line) = above(patch, corners, at, top);
+        Ray::new(start.as_vec3(), line.as_vec3())
     }
 
     fn first(&self, ray: &Ray, options: &QueryOptions<'_>) -> Option<Hit> {

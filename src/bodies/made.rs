@@ -86,6 +86,26 @@ pub fn capped_cone(segments: usize, height: f64) -> Mesh {
     body.mesh()
 }
 
+/// The unit sphere cut along 16 meridians and 7 parallels, with the true normals: 224 triangles. Under
+/// a sun from the side it shows the shadow terminator: flat triangles that are lit by interpolated
+/// normals shadow themselves before the light ends.
+#[must_use]
+pub fn terminator() -> Mesh {
+    let mut body = Revolution::new(circle(16));
+    let profile = |n: u32| {
+        let point = match n {
+            0 => DVec2::NEG_Y,
+            8 => DVec2::Y,
+            _ => DVec2::from_angle(TAU / 16.0 * (f64::from(n) - 4.0)),
+        };
+        (point, point)
+    };
+    for n in 0..8 {
+        body.band([profile(n), profile(n + 1)]);
+    }
+    body.mesh()
+}
+
 /// The unit circle's points and, as its normals, the same.
 fn circle(segments: usize) -> Vec<(DVec2, DVec2)> {
     assert!(segments >= 3, "a circle is cut into 3 segments or more");
@@ -122,6 +142,16 @@ mod tests {
                 .iter()
                 .all(|n| n.z == 0.0 || n.z.abs() == 1.0)
         );
+    }
+
+    #[test]
+    fn the_terminator_s_sphere_is_closed_and_smooth() {
+        let mesh = terminator();
+        assert_eq!(mesh.triangles().len(), 224);
+        assert_eq!(check_closed(&mesh, 0.9).hard, 0);
+        for (p, n) in mesh.positions().iter().zip(mesh.normals()) {
+            assert!((p.length() - 1.0).abs() < 1e-6 && p.distance(*n) < 1e-6);
+        }
     }
 
     #[test]

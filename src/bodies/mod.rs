@@ -16,6 +16,6 @@ mod teapot;
 
 pub use analytic::{Body, BodyTriangle};
 pub use blob::Blob;
-pub use made::{bumpy_torus, capped_cone, capped_cylinder};
+pub use made::{bumpy_torus, capped_cone, capped_cylinder, terminator};
 pub use scenes::scenes;
 pub use teapot::{TeapotPart, teapot, teapot_part};

@@ -1,6 +1,6 @@
 //! The meshes kept as files in the repository's `scenes`.
 
-use super::{Body, capped_cone, capped_cylinder, teapot};
+use super::{Body, capped_cone, capped_cylinder, teapot, terminator};
 use crate::mesh::Mesh;
 
 /// The names of the scene files and the meshes they hold.
@@ -16,6 +16,7 @@ pub fn scenes() -> Vec<(&'static str, Mesh)> {
         ("capped_cylinder.obj", capped_cylinder(16, 1.5)),
         ("capped_cone.obj", capped_cone(16, 1.25)),
         ("teapot.obj", teapot(6)),
+        ("terminator.obj", terminator()),
     ]
 }
 

@@ -88,7 +88,8 @@ fn rows_text(rows: &[Row]) -> String {
         );
     }
     text + "\nmax, mean      distance to the true surface over the body's largest diameter\n\
-            normal, jump   mean angle to the true normal, mean jump across sides, degrees\n"
+            normal, jump   mean angle to the true normal, mean jump across sides, degrees\n\
+            paper          the angular surface as the paper's own algorithm finds it\n"
 }
 
 /// Two digits at the least, without an exponent where that is readable.

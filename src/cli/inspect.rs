@@ -88,6 +88,9 @@ fn as_text(inspection: &Inspection) -> String {
     );
     line("problems", counts(&problems(inspection)));
     line("kinds", counts(&kinds(inspection)));
+    if inspection.spheres.total() > 0 {
+        line("spheres", counts(&spheres(inspection)));
+    }
     let heights = inspection.heights;
     line(
         "heights",
@@ -187,6 +190,11 @@ fn kinds(inspection: &Inspection) -> Vec<(&'static str, u64)> {
     named.map(|(name, count)| (name, count as u64)).collect()
 }
 
+fn spheres(inspection: &Inspection) -> Vec<(&'static str, u64)> {
+    let named = inspection.spheres.named().into_iter();
+    named.map(|(name, count)| (name, count as u64)).collect()
+}
+
 /// One JSON object. Lengths are in the mesh's units, memory in bytes; normals are counted by
 /// triangle corners.
 fn as_json(inspection: &Inspection) -> String {
@@ -211,6 +219,7 @@ fn as_json(inspection: &Inspection) -> String {
         "closed": inspection.topology.is_closed(),
         "problems": object(problems(inspection)),
         "kinds": object(kinds(inspection)),
+        "spheres": object(spheres(inspection)),
         "heights": {
             "greatest": heights.greatest,
             "greatest_at": heights.greatest_at,

@@ -4,6 +4,8 @@ mod accuracy;
 mod accuracy_report;
 mod console;
 mod inspect;
+mod integrator;
+mod light;
 mod render;
 mod stats;
 mod surface;
@@ -48,7 +50,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    Render(render::RenderArgs),
+    Render(Box<render::RenderArgs>),
     Trace(trace::TraceArgs),
     Accuracy(accuracy::AccuracyArgs),
     Inspect(inspect::InspectArgs),

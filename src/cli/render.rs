@@ -8,12 +8,14 @@ use clap::{Args, ValueEnum};
 use curvetri::embree::Device;
 use curvetri::mesh::Mesh;
 use curvetri::render::{
-    Background, Camera, Film, Framing, Ground, Lighting, OutputFile, Picture, RenderStats, Scene,
-    UpAxis, render,
+    Aovs, Camera, Crop, Film, Form, Framing, Ground, OutputFile, Picture, RenderStats, Scene,
+    UpAxis, aovs, render,
 };
 use glam::DVec3;
 
 use super::console::Console;
+use super::integrator::IntegratorArgs;
+use super::light::LightArgs;
 use super::surface::SurfaceArgs;
 use super::{console, device, on_threads, stats, usage, values};
 
@@ -27,8 +29,8 @@ pub struct RenderArgs {
     #[arg(required = true, value_name = "MESH")]
     meshes: Vec<PathBuf>,
 
-    /// The picture, a PNG file
-    #[arg(short, long, value_name = "FILE.png")]
+    /// The picture: FILE.png, or FILE.exr with depth, normals, positions and triangles' numbers
+    #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
     /// Width and height in pixels [default: 800x600]
@@ -42,6 +44,11 @@ pub struct RenderArgs {
     /// Height in pixels [default: 3/4 of the width]
     #[arg(long, value_name = "PIXELS", value_parser = values::side)]
     height: Option<usize>,
+
+    /// Render only this part of the picture: column and row of its upper left corner, width and
+    /// height, in pixels
+    #[arg(long, value_name = "X,Y,WxH", value_parser = values::crop)]
+    crop: Option<Crop>,
 
     /// Rays a pixel
     #[arg(long, visible_alias = "spp", value_name = "N", default_value_t = 16,
@@ -62,6 +69,9 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     view: ViewArgs,
+
+    #[command(flatten)]
+    integrator: IntegratorArgs,
 
     #[command(flatten)]
     light: LightArgs,
@@ -94,59 +104,23 @@ struct ViewArgs {
     fov: f64,
 }
 
-#[derive(Args)]
-#[command(next_help_heading = "Light and ground")]
-struct LightArgs {
-    /// The direction towards the sun [default: to the upper left, in front]
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
-    sun_direction: Option<DVec3>,
-
-    /// Brightness of the sun, as a factor
-    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = values::brightness)]
-    sun: f32,
-
-    /// Brightness of the sky, as a factor
-    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = values::brightness)]
-    sky: f32,
-
-    /// Share of light that the surface reflects
-    #[arg(long, value_name = "SHARE", default_value = "0.7", value_parser = values::share)]
-    albedo: f32,
-
-    /// Exposure in stops, over the default
-    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::stops,
-        allow_hyphen_values = true)]
-    exposure: f32,
-
-    /// Put the meshes on a plane that takes their shadows
-    #[arg(long)]
-    ground: bool,
-
-    /// Leave the background transparent
-    #[arg(long)]
-    transparent: bool,
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum UpChoice {
     Y,
     Z,
 }
 
+/// What a picture is written as, by its file's ending.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Png,
+    Exr,
+}
+
 /// Runs the command.
 pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let form = args.surface.form()?;
-    let size = args.size()?;
-    if !args
-        .output
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("png"))
-    {
-        return usage(format!("{} does not end in .png", args.output.display()));
-    }
-    if args.view.eye.is_some() && args.view.eye == args.view.target {
-        return usage("the camera's --eye and --target are the same point");
-    }
+    let format = args.check(form)?;
     let device = device(args.threads)?;
     let (film, stats) = on_threads(args.threads, || {
         let start = Instant::now();
@@ -160,15 +134,78 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
         let bar = console.spinner("building");
         let scene = Scene::new(&device, meshes, form).context("cannot build the scene")?;
         bar.finish_and_clear();
-        let (film, mut stats) = args.trace(&scene, size, console)?;
+        let picture = args.picture(&scene)?;
+        let (film, mut stats) = traced(&scene, &picture, console)?;
         stats.times.load = load;
-        output.finish(|out| film.write_png(out, args.light.background(), args.light.exposure))?;
+        match format {
+            Format::Png => output
+                .finish(|out| film.write_png(out, args.light.background(), args.light.exposure))?,
+            Format::Exr => {
+                let aovs: Aovs = aovs(&scene, &picture)?;
+                output.finish(|out| film.write_exr(out, &aovs))?;
+            }
+        }
         Ok((film, stats))
     })?;
     args.tell(&film, &stats, &device, console)
 }
 
+fn traced(scene: &Scene, picture: &Picture, console: &Console) -> Result<(Film, RenderStats)> {
+    let camera = &picture.camera;
+    console.note(&format!(
+        "camera at {}, towards {}",
+        camera.eye, camera.target
+    ));
+    let bar = console.progress("rendering", 0);
+    let result = render(scene, picture, &|_, tiles| {
+        bar.set_length(tiles as u64);
+        bar.inc(1);
+    });
+    bar.finish_and_clear();
+    Ok(result?)
+}
+
 impl RenderArgs {
+    /// Refuses what does not go together, before any work.
+    fn check(&self, form: Form) -> Result<Format> {
+        let size = self.size()?;
+        if let Some(crop) = self.crop
+            && (crop.x + crop.width > size[0] || crop.y + crop.height > size[1])
+        {
+            return usage(format!(
+                "--crop {},{},{}x{} is not within the picture of {}x{} pixels",
+                crop.x, crop.y, crop.width, crop.height, size[0], size[1]
+            ));
+        }
+        let view = &self.view;
+        if view.eye.is_some() && view.eye == view.target {
+            return usage("the camera's --eye and --target are the same point");
+        }
+        self.integrator.integrator()?;
+        self.integrator.material()?;
+        self.light.check(form == Form::Flat)?;
+        let format = self.format()?;
+        if format == Format::Exr && self.light.exposure != 0.0 {
+            return usage("--exposure is for .png: an .exr file has the light as it is");
+        }
+        Ok(format)
+    }
+
+    fn format(&self) -> Result<Format> {
+        let is = |ending: &str| {
+            let extension = self.output.extension();
+            extension.is_some_and(|e| e.eq_ignore_ascii_case(ending))
+        };
+        match (is("png"), is("exr")) {
+            (true, _) => Ok(Format::Png),
+            (_, true) => Ok(Format::Exr),
+            _ => usage(format!(
+                "{} ends neither in .png nor in .exr",
+                self.output.display()
+            )),
+        }
+    }
+
     fn size(&self) -> Result<[usize; 2]> {
         let size = match (self.size, self.width, self.height) {
             (Some(size), _, _) => size,
@@ -183,44 +220,32 @@ impl RenderArgs {
         Ok(size)
     }
 
-    fn trace(
-        &self,
-        scene: &Scene,
-        [width, height]: [usize; 2],
-        console: &Console,
-    ) -> Result<(Film, RenderStats)> {
-        let lighting = self.light.lighting(self.view.up_axis.axis());
+    fn picture(&self, scene: &Scene) -> Result<Picture> {
+        let [width, height] = self.size()?;
+        let up = self.view.up_axis.axis();
+        let lighting = self.light.lighting(up, scene);
+        let ground = self.light.ground();
         let framing = Framing {
-            up: self.view.up_axis.axis(),
+            up,
             fov_degrees: self.view.fov,
             aspect: width as f64 / height as f64,
-            shadows_of: self.light.ground.then_some(lighting.towards_sun),
+            shadows_of: (ground == Ground::Plane).then_some(lighting.towards_sun),
         };
-        let picture = Picture {
+        Ok(Picture {
             width,
             height,
+            crop: self.crop,
             samples: self.samples,
+            seed: self.integrator.seed,
+            integrator: self.integrator.integrator()?,
             camera: self.view.camera(framing.camera(scene)),
             lighting,
+            material: self.integrator.material()?,
             albedo: self.light.albedo,
-            ground: if self.light.ground {
-                Ground::Plane
-            } else {
-                Ground::None
-            },
-        };
-        let camera = &picture.camera;
-        console.note(&format!(
-            "camera at {}, towards {}",
-            camera.eye, camera.target
-        ));
-        let bar = console.progress("rendering", 0);
-        let result = render(scene, &picture, &|_, tiles| {
-            bar.set_length(tiles as u64);
-            bar.inc(1);
-        });
-        bar.finish_and_clear();
-        Ok(result?)
+            shading: self.light.shading(),
+            ground,
+            show_sky: self.light.show_sky(),
+        })
     }
 
     fn tell(
@@ -255,27 +280,6 @@ impl ViewArgs {
             target,
             up: self.up.unwrap_or(framed.up),
             ..framed
-        }
-    }
-}
-
-impl LightArgs {
-    fn lighting(&self, up: UpAxis) -> Lighting {
-        let mut lighting = Lighting::daylight(up);
-        if let Some(direction) = self.sun_direction {
-            lighting.towards_sun = direction.as_vec3().normalize();
-        }
-        lighting.sun *= self.sun;
-        lighting.sky.above *= self.sky;
-        lighting.sky.below *= self.sky;
-        lighting
-    }
-
-    fn background(&self) -> Background {
-        if self.transparent {
-            Background::Transparent
-        } else {
-            Background::default()
         }
     }
 }

@@ -13,19 +13,16 @@ pub fn text(stats: &RenderStats, device: &Device) -> String {
     let mut line = |name: &str, value: String| {
         let _ = writeln!(text, "{name:10} {value}");
     };
-    let kinds = stats
-        .triangles
-        .named()
-        .into_iter()
-        .filter(|(_, count)| *count > 0);
-    let kinds: Vec<String> = kinds
-        .map(|(name, count)| format!("{count} {name}"))
-        .collect();
     let total = stats.triangles.total();
     line(
         "triangles",
-        format!("{total} ({})", kinds.join(", ").replace('_', " ")),
+        format!("{total} ({})", counts(&stats.triangles.named())),
     );
+    let spheres = stats.spheres.total();
+    if spheres > 0 {
+        let by_kind = counts(&stats.spheres.named());
+        line("spheres", format!("{spheres} ({by_kind})"));
+    }
     let [load, curve, build, render] = named_times(stats).map(|(_, time)| time.as_secs_f64());
     line(
         "time",
@@ -38,8 +35,8 @@ pub fn text(stats: &RenderStats, device: &Device) -> String {
     line(
         "rays",
         format!(
-            "{} primary, {} shadow, {speed:.2} Mray/s",
-            rays.primary, rays.shadow
+            "{} primary, {} shadow, {} bounce, {speed:.2} Mray/s",
+            rays.primary, rays.shadow, rays.bounce
         ),
     );
     let (calls, evaluations) = (stats.calls_per_ray(), stats.evaluations_per_call());
@@ -49,6 +46,15 @@ pub fn text(stats: &RenderStats, device: &Device) -> String {
     );
     line("Embree", format!("{} ({})", device.version(), device.isa()));
     text
+}
+
+/// The counts that are not zero.
+fn counts(named: &[(&str, usize)]) -> String {
+    let some = named.iter().filter(|(_, count)| *count > 0);
+    let words: Vec<String> = some
+        .map(|(name, count)| format!("{count} {name}"))
+        .collect();
+    words.join(", ").replace('_', " ")
 }
 
 /// One JSON object. Times are in seconds, memory in bytes.
@@ -63,11 +69,18 @@ pub fn json(stats: &RenderStats, device: &Device) -> String {
     let times = named_times(stats).map(|(name, time)| (name, time.as_secs_f64()));
     let value = json!({
         "triangles": triangles,
+        "spheres": Map::from_iter(
+            stats.spheres.named().map(|(name, count)| (name.to_owned(), json!(count))),
+        ),
         "seconds": Map::from_iter(times.map(|(name, time)| (name.to_owned(), json!(time)))),
         "bytes": Map::from_iter(
             named_memory(stats).map(|(name, bytes)| (name.to_owned(), json!(bytes))),
         ),
-        "rays": { "primary": stats.rays.primary, "shadow": stats.rays.shadow },
+        "rays": {
+            "primary": stats.rays.primary,
+            "shadow": stats.rays.shadow,
+            "bounce": stats.rays.bounce,
+        },
         "mray_per_second": stats.mray_per_second(),
         "kernel": {
             "calls": stats.kernel.calls,

@@ -4,33 +4,44 @@ use std::path::Path;
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use curvetri::curved::CurvedOptions;
+use curvetri::curved::{CurvedOptions, Primitives};
 use curvetri::mesh::{self, LoadOptions, Loaded, Mesh, NormalsPolicy};
 use curvetri::render::Form;
-use curvetri::surface::{Solver, Surface};
+use curvetri::surface::{BoundsKind, Solver, Surface};
 
 use super::console::Console;
 use super::{usage, values};
 
-/// Digits of a root if only their number a step is given: all that single precision has.
-const DEFAULT_BITS: u32 = 24;
-/// Digits a step if only the number of digits is given: the least that misses no root in practice.
-const DEFAULT_STEP: u32 = 3;
-
 #[derive(Args)]
 #[command(next_help_heading = "Surface")]
 pub struct SurfaceArgs {
-    /// What the triangles stand for
-    #[arg(long, value_enum, default_value_t = SurfaceChoice::Smooth)]
-    surface: SurfaceChoice,
+    /// The form of the method; --surface, --bounds, --primitives and --solver choose its parts one by one
+    #[arg(long, value_enum, default_value_t = MethodChoice::Default)]
+    method: MethodChoice,
+
+    /// What the triangles stand for [default: smooth, or angular with --method paper]
+    #[arg(long, value_enum)]
+    surface: Option<SurfaceChoice>,
+
+    /// What bounds a curved triangle [default: tight, or sphere with --method paper]
+    #[arg(long, value_enum)]
+    bounds: Option<BoundsChoice>,
+
+    /// What is one primitive to Embree [default: clusters, or triangles with --method paper]
+    #[arg(long, value_enum)]
+    primitives: Option<PrimitivesChoice>,
+
+    /// How roots are found [default: finish, or ita with --method paper, --ita-bits or --ita-step]
+    #[arg(long, value_enum)]
+    solver: Option<SolverChoice>,
 
     /// Find roots by the paper's iterative algorithm, to this many binary digits (n) [default with
-    /// --ita-step: 24]
+    /// --solver ita: 24]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=30))]
     ita_bits: Option<u32>,
 
     /// Find roots by the paper's iterative algorithm, this many binary digits a step (n1) [default
-    /// with --ita-bits: 3]
+    /// with --solver ita: 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
     ita_step: Option<u32>,
 
@@ -41,6 +52,38 @@ pub struct SurfaceArgs {
     /// Which of the normals that a file has are used
     #[arg(long, value_enum, default_value_t = NormalsChoice::Auto)]
     normals: NormalsChoice,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum MethodChoice {
+    /// The smooth surface, tight bounds, a fast root finder
+    Default,
+    /// The paper's own: the angular surface, spheres of greatest curvature, the iterative algorithm
+    Paper,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum BoundsChoice {
+    /// The paper's: the sphere of greatest curvature, that on the circumscribed circle
+    Sphere,
+    /// The least and greatest heights that the surface may have
+    Tight,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PrimitivesChoice {
+    /// A triangle
+    Triangles,
+    /// A few neighbouring triangles
+    Clusters,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum SolverChoice {
+    /// The paper's iterative algorithm
+    Ita,
+    /// Samples, then a superlinear bracketing method
+    Finish,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -68,31 +111,73 @@ enum SurfaceChoice {
 impl SurfaceArgs {
     /// What the triangles stand for.
     pub fn form(&self) -> Result<Form> {
-        let ita = self.ita_bits.is_some() || self.ita_step.is_some();
-        let surface = match self.surface {
-            SurfaceChoice::Flat if ita => {
-                return usage(
-                    "--ita-bits and --ita-step are for curved surfaces, not for flat ones",
-                );
-            }
-            SurfaceChoice::Flat => return Ok(Form::Flat),
-            SurfaceChoice::Angular => Surface::Angular,
-            SurfaceChoice::Tensor => Surface::Tensor,
-            SurfaceChoice::Smooth => Surface::Smooth,
+        let preset = match self.method {
+            MethodChoice::Default => CurvedOptions::default(),
+            MethodChoice::Paper => CurvedOptions::paper(),
         };
-        let solver = if ita {
-            Solver::Ita {
-                bits: self.ita_bits.unwrap_or(DEFAULT_BITS),
-                step: self.ita_step.unwrap_or(DEFAULT_STEP),
-            }
-        } else {
-            Solver::default()
+        let surface = match self.surface {
+            None => preset.surface,
+            Some(SurfaceChoice::Flat) => return self.flat(),
+            Some(SurfaceChoice::Angular) => Surface::Angular,
+            Some(SurfaceChoice::Tensor) => Surface::Tensor,
+            Some(SurfaceChoice::Smooth) => Surface::Smooth,
+        };
+        let bounds = match self.bounds {
+            None => preset.bounds,
+            Some(BoundsChoice::Sphere) => BoundsKind::Sphere,
+            Some(BoundsChoice::Tight) => BoundsKind::Tight,
+        };
+        let primitives = match self.primitives {
+            None => preset.primitives,
+            Some(PrimitivesChoice::Triangles) => Primitives::Triangles,
+            Some(PrimitivesChoice::Clusters) => Primitives::Clusters,
         };
         Ok(Form::Curved(CurvedOptions {
             surface,
-            solver,
-            ..CurvedOptions::default()
+            bounds,
+            primitives,
+            solver: self.solver(preset.solver)?,
+            ..preset
         }))
+    }
+
+    fn flat(&self) -> Result<Form> {
+        let given = [
+            ("--method paper", self.method == MethodChoice::Paper),
+            ("--bounds", self.bounds.is_some()),
+            ("--primitives", self.primitives.is_some()),
+            ("--solver", self.solver.is_some()),
+            ("--ita-bits", self.ita_bits.is_some()),
+            ("--ita-step", self.ita_step.is_some()),
+        ];
+        match given.into_iter().find(|(_, given)| *given) {
+            None => Ok(Form::Flat),
+            Some((name, _)) => usage(format!(
+                "{name} is for curved surfaces, not for flat ones; leave it out, or --surface flat"
+            )),
+        }
+    }
+
+    fn solver(&self, preset: Solver) -> Result<Solver> {
+        let digits = self.ita_bits.is_some() || self.ita_step.is_some();
+        let chosen = match self.solver {
+            Some(SolverChoice::Finish) if digits => {
+                return usage(
+                    "--ita-bits and --ita-step are for --solver ita; leave them out, or choose that",
+                );
+            }
+            Some(SolverChoice::Finish) => Solver::default(),
+            Some(SolverChoice::Ita) => Solver::ITA,
+            None if digits => Solver::ITA,
+            None => preset,
+        };
+        Ok(match chosen {
+            Solver::Ita { bits, step } => Solver::Ita {
+                bits: self.ita_bits.unwrap_or(bits),
+                step: self.ita_step.unwrap_or(step),
+            },
+            finish @ Solver::Finish { .. } => finish,
+        })
     }
 
     /// Reads a mesh and tells what was odd about it.

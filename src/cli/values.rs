@@ -2,6 +2,7 @@
 
 use std::ops::RangeInclusive;
 
+use curvetri::render::Crop;
 use glam::DVec3;
 
 /// Pixels of a side.
@@ -26,12 +27,40 @@ pub fn side(text: &str) -> Result<usize, String> {
     }
 }
 
+/// A part of a picture, as in 100,50,320x240.
+pub fn crop(text: &str) -> Result<Crop, String> {
+    let form = "a part of a picture is X,Y,WIDTHxHEIGHT in pixels, as in 100,50,320x240";
+    let (x, rest) = text.split_once(',').ok_or(form)?;
+    let (y, size) = rest.split_once(',').ok_or(form)?;
+    let start = |text: &str| match text.trim().parse() {
+        Ok(start) if start < *SIDE.end() => Ok(start),
+        _ => Err(form),
+    };
+    let [width, height] = self::size(size)?;
+    Ok(Crop {
+        x: start(x)?,
+        y: start(y)?,
+        width,
+        height,
+    })
+}
+
 /// A point or direction, as in 1,2.5,-3.
 pub fn vector(text: &str) -> Result<DVec3, String> {
     let numbers: Result<Vec<f64>, String> = text.split(',').map(number).collect();
     match numbers?[..] {
         [x, y, z] => Ok(DVec3::new(x, y, z)),
         _ => Err("three numbers are needed, as in 1,2.5,-3".into()),
+    }
+}
+
+/// A ball's centre and radius, as in 1,2.5,-3,0.5.
+pub fn ball(text: &str) -> Result<(DVec3, f64), String> {
+    let numbers: Result<Vec<f64>, String> = text.split(',').map(number).collect();
+    match numbers?[..] {
+        [x, y, z, radius] if radius > 0.0 => Ok((DVec3::new(x, y, z), radius)),
+        [_, _, _, _] => Err("a radius is above 0".into()),
+        _ => Err("a centre and a radius are needed: four numbers, as in 1,2.5,-3,0.5".into()),
     }
 }
 
@@ -90,6 +119,26 @@ pub fn brightness(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A length above 0.
+pub fn length(text: &str) -> Result<f32, String> {
+    let length = number(text)? as f32;
+    if length > 0.0 && length.is_finite() {
+        Ok(length)
+    } else {
+        Err("a distance is above 0".into())
+    }
+}
+
+/// A refractive index.
+pub fn index(text: &str) -> Result<f32, String> {
+    let index = number(text)?;
+    if (0.1..=10.0).contains(&index) {
+        Ok(index as f32)
+    } else {
+        Err("a refractive index is 0.1 to 10".into())
+    }
+}
+
 /// An exposure in stops.
 pub fn stops(text: &str) -> Result<f32, String> {
     let stops = number(text)?;
@@ -136,6 +185,45 @@ mod tests {
         ] {
             assert!(size(wrong).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn a_crop_is_a_place_and_a_size() {
+        let crop_at = |x, y, width, height| Crop {
+            x,
+            y,
+            width,
+            height,
+        };
+        assert_eq!(crop("3,4,5x6"), Ok(crop_at(3, 4, 5, 6)));
+        assert_eq!(crop("0,0,1x1"), Ok(crop_at(0, 0, 1, 1)));
+        for wrong in [
+            "",
+            "3",
+            "3,4",
+            "3,4,5",
+            "3,4,0x5",
+            "-3,4,5x6",
+            "3,4,5,6",
+            "3.5,4,5x6",
+            "3,99999,5x6",
+        ] {
+            assert!(crop(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_ball_has_a_centre_and_a_radius() {
+        assert_eq!(ball("1,-2,3,0.5"), Ok((DVec3::new(1.0, -2.0, 3.0), 0.5)));
+        for wrong in ["1,2,3", "1,2,3,0", "1,2,3,-1", "1,2,3,4,5", "1,2,3,nan"] {
+            assert!(ball(wrong).is_err(), "{wrong}");
+        }
+        assert!(
+            ["0", "-1", "1e50", "inf"]
+                .iter()
+                .all(|w| length(w).is_err())
+        );
+        assert!(["0", "-1.5", "11", "x"].iter().all(|w| index(w).is_err()));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The Embree callbacks of a curved mesh.
 
-use std::ops::Deref;
+use std::ops::DerefMut;
 
 use super::CurvedMesh;
 use super::counters::count;
@@ -10,14 +10,17 @@ use crate::surface::{HitLanes, Outline, Ray, RayLanes, Real};
 impl UserGeometry for CurvedMesh {
     fn primitives(&self) -> u32 {
         // A mesh holds at most 2^31 index values, so this fits.
-        self.records.len() as u32
+        let count = self
+            .clusters
+            .as_ref()
+            .map_or(self.records.len(), |clusters| clusters.len());
+        count as u32
     }
 
     fn bounds(&self, prim: u32, _time_step: u32) -> Bounds {
-        let [lower, upper] = self.patch(prim).bounds();
-        Bounds {
-            lower: lower.into(),
-            upper: upper.into(),
+        match &self.clusters {
+            Some(clusters) => clusters[prim as usize].bounds(),
+            None => self.triangle_bounds(prim),
         }
     }
 
@@ -62,21 +65,54 @@ fn rest_of_ray(outline: &Outline<'_, f32>, query: &QueryRays<'_>, lane: usize, t
 }
 
 impl CurvedMesh {
-    /// Offers the roots of a query's rays on its triangle.
-    fn trace<'a, Q: Deref<Target = QueryRays<'a>>>(
+    /// Offers the roots of a query's rays on its primitive.
+    fn trace<'a, Q: DerefMut<Target = QueryRays<'a>>>(
         &self,
         query: &mut Q,
-        report: impl Fn(&mut Q, usize, SurfaceHit) -> bool,
+        report: impl Fn(&mut Q, usize, SurfaceHit) -> bool + Copy,
     ) {
-        let outline = self.outline(query.prim_id());
+        let prim = query.prim_id();
+        let Some(clusters) = &self.clusters else {
+            return self.trace_triangle(query, prim, query.valid(), report);
+        };
+        let cluster = &clusters[prim as usize];
         if query.valid().count_ones() < MIN_PACKET {
             for lane in query.lanes() {
+                let mut entries = cluster.entries(&query.ray(lane));
+                while let Some(n) = entries.next(query.tfar()[lane]) {
+                    self.trace_triangle(query, cluster.triangle(n), 1 << lane, report);
+                }
+            }
+            return;
+        }
+        let met = cluster.lanes(&ray_lanes(query), query.valid());
+        for (n, lanes) in met.into_iter().enumerate() {
+            // Lanes that are occluded by now are valid no more.
+            let lanes = lanes & query.valid();
+            if lanes != 0 {
+                self.trace_triangle(query, cluster.triangle(n), lanes, report);
+            }
+        }
+    }
+
+    /// Offers the roots of some of a query's rays on a triangle.
+    fn trace_triangle<'a, Q: DerefMut<Target = QueryRays<'a>>>(
+        &self,
+        query: &mut Q,
+        triangle: u32,
+        valid: u32,
+        report: impl Fn(&mut Q, usize, SurfaceHit) -> bool,
+    ) {
+        query.set_prim_id(triangle);
+        let outline = self.outline(triangle);
+        if valid.count_ones() < MIN_PACKET {
+            for lane in lanes(valid) {
                 let ray = kernel_ray(&query.ray(lane));
                 self.offer_roots(&outline, ray, |hit| report(query, lane, hit));
             }
             return;
         }
-        let hits = self.packet_hits(&outline, query);
+        let hits = self.packet_hits(&outline, query, valid);
         for lane in lanes(hits.found) {
             if !report(query, lane, surface_hit(&hits, lane)) {
                 let ray = rest_of_ray(&outline, query, lane, hits.t[lane]);
@@ -86,20 +122,22 @@ impl CurvedMesh {
     }
 
     fn outline(&self, triangle: u32) -> Outline<'_, f32> {
-        let (positions, normals) = super::corners(&self.mesh, triangle as usize);
-        Outline::new(positions, normals, &self.records[triangle as usize])
+        super::outline(
+            &self.mesh,
+            triangle as usize,
+            &self.records[triangle as usize],
+        )
     }
 
-    /// The first roots of all valid rays of a query.
-    fn packet_hits(&self, outline: &Outline<'_, f32>, query: &QueryRays<'_>) -> HitLanes {
-        let rays = RayLanes {
-            origin: [query.org_x(), query.org_y(), query.org_z()],
-            direction: [query.dir_x(), query.dir_y(), query.dir_z()],
-            tnear: query.tnear(),
-            tfar: query.tfar(),
-        };
-        let hits = outline.intersect_packet(&rays, query.valid(), self.solver, true);
-        count(query.valid().count_ones().into(), hits.evaluations.into());
+    /// The first roots of some rays of a query.
+    fn packet_hits(
+        &self,
+        outline: &Outline<'_, f32>,
+        query: &QueryRays<'_>,
+        valid: u32,
+    ) -> HitLanes {
+        let hits = outline.intersect_packet(&ray_lanes(query), valid, self.solver, true);
+        count(valid.count_ones().into(), hits.evaluations.into());
         hits
     }
 
@@ -159,6 +197,15 @@ impl CurvedMesh {
 const SIZE_ULPS: f32 = 64.0;
 /// Share that comes with coordinates and distance: rounding of the ray's points.
 const RAY_ULPS: f32 = 4.0;
+
+fn ray_lanes<'a>(query: &'a QueryRays<'_>) -> RayLanes<'a> {
+    RayLanes {
+        origin: [query.org_x(), query.org_y(), query.org_z()],
+        direction: [query.dir_x(), query.dir_y(), query.dir_z()],
+        tnear: query.tnear(),
+        tfar: query.tfar(),
+    }
+}
 
 fn kernel_ray(ray: &crate::embree::Ray) -> Ray<f32> {
     Ray {

@@ -2,20 +2,38 @@
 //! path for those that stay flat.
 
 mod advice;
+mod clusters;
 mod counters;
 mod geometry;
 mod inspection;
 mod kinds;
 mod prepare;
+mod spheres;
 
 use std::sync::Arc;
 
-use crate::mesh::{Mesh, Topology, TopologyCounts};
-use crate::surface::{Patch, PatchRecord, Solver, Surface, Vector};
+use rayon::prelude::*;
 
+use crate::embree::Bounds;
+use crate::mesh::{Mesh, Topology, TopologyCounts};
+use crate::surface::{BoundsKind, Outline, Patch, PatchRecord, Solver, Surface, Vector};
+
+use clusters::Cluster;
 pub use counters::{Counters, counters};
 pub use inspection::{Heights, Inspection, MemoryNeed, SideLengths};
 pub use kinds::Kinds;
+pub use spheres::Spheres;
+
+/// What Embree is given as one primitive. Hits name triangles either way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Primitives {
+    /// A triangle: the method's plain form.
+    Triangles,
+    /// A few neighbouring triangles, whose boxes are tested against a ray all at once: a smaller tree
+    /// and fewer callbacks.
+    #[default]
+    Clusters,
+}
 
 /// How a mesh's triangles are curved and how rays are solved against them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,6 +42,10 @@ pub struct CurvedOptions {
     pub surface: Surface,
     /// How a ray's root on a patch is found.
     pub solver: Solver,
+    /// What is one primitive to Embree.
+    pub primitives: Primitives,
+    /// What bounds a triangle's box and a ray's way over it.
+    pub bounds: BoundsKind,
     /// Every triangle as the paper has it, from its own vertices alone: also where its guide field
     /// folds over or bends too much for the method's guarantees, and with curved sides also at hard
     /// edges and towards flat triangles. For measuring the method itself: rays may slip through
@@ -31,15 +53,38 @@ pub struct CurvedOptions {
     pub unchecked: bool,
 }
 
+impl CurvedOptions {
+    /// The paper's own form of the method: the angular surface (19), boxes of the sphere of greatest
+    /// curvature (3), rays between the three side planes (5) and within that sphere, roots of (44) by
+    /// the iterative algorithm (ITA) to `n = 24` binary digits, `n1 = 3` at a time (sections 4.3, 4.4
+    /// and 4.8).
+    ///
+    /// What is ours in it: hard edges and the triangles that the method cannot take are treated as for
+    /// all surfaces (the paper has neither), and so are the spheres that the surface would leave and
+    /// those of needles: [`Spheres`] counts them.
+    #[must_use]
+    pub fn paper() -> Self {
+        Self {
+            surface: Surface::Angular,
+            solver: Solver::ITA,
+            bounds: BoundsKind::Sphere,
+            primitives: Primitives::Triangles,
+            unchecked: false,
+        }
+    }
+}
+
 /// A mesh whose triangles are curved patches, ready to be an Embree user geometry.
 ///
 /// Rays, hits and bounds are in the mesh's local space: positions relative to
-/// [`Mesh::origin`]. Primitive `i` is the mesh's triangle `i`.
+/// [`Mesh::origin`]. A hit's primitive `i` is the mesh's triangle `i`.
 pub struct CurvedMesh {
     mesh: Arc<Mesh>,
     records: Vec<PatchRecord>,
+    clusters: Option<Box<[Cluster]>>,
     solver: Solver,
     kinds: Kinds,
+    spheres: Spheres,
     topology: TopologyCounts,
 }
 
@@ -52,12 +97,34 @@ impl CurvedMesh {
     pub fn new(mesh: Arc<Mesh>, options: &CurvedOptions) -> Self {
         let topology = Topology::new(&mesh);
         let prepared = prepare::prepare(&mesh, &topology, options);
-        Self {
+        let mut curved = Self {
             mesh,
             records: prepared.records,
+            clusters: None,
             solver: options.solver,
             kinds: prepared.kinds,
+            spheres: prepared.spheres,
             topology: *topology.counts(),
+        };
+        if options.primitives == Primitives::Clusters {
+            curved.clusters = Some(curved.clustered());
+        }
+        curved
+    }
+
+    fn clustered(&self) -> Box<[Cluster]> {
+        let boxes: Vec<Bounds> = (0..self.records.len() as u32)
+            .into_par_iter()
+            .map(|triangle| self.triangle_bounds(triangle))
+            .collect();
+        clusters::group(&boxes)
+    }
+
+    fn triangle_bounds(&self, triangle: u32) -> Bounds {
+        let [lower, upper] = self.patch(triangle).bounds();
+        Bounds {
+            lower: lower.into(),
+            upper: upper.into(),
         }
     }
 
@@ -71,6 +138,11 @@ impl CurvedMesh {
         &self.kinds
     }
 
+    /// How many triangles have which sphere, where spheres were asked for.
+    pub fn spheres(&self) -> &Spheres {
+        &self.spheres
+    }
+
     /// How the triangles meet at their sides.
     pub fn topology(&self) -> &TopologyCounts {
         &self.topology
@@ -78,7 +150,8 @@ impl CurvedMesh {
 
     /// Bytes kept beyond the indexed mesh itself.
     pub fn memory(&self) -> usize {
-        self.records.capacity() * size_of::<PatchRecord>()
+        let clusters = self.clusters.as_ref().map_or(0, |clusters| clusters.len());
+        self.records.capacity() * size_of::<PatchRecord>() + clusters * size_of::<Cluster>()
     }
 
     /// The curved patch of one triangle, in the mesh's local space.
@@ -100,6 +173,12 @@ impl CurvedMesh {
         let wide = |v: [Vector<f32>; 3]| v.map(Vector::to_f64);
         Patch::new(wide(positions), wide(normals), flags)
     }
+}
+
+/// What a triangle's rays are clipped to.
+fn outline<'a>(mesh: &Mesh, triangle: usize, record: &'a PatchRecord) -> Outline<'a, f32> {
+    let (positions, normals) = corners(mesh, triangle);
+    Outline::new(positions, normals, record)
 }
 
 /// A triangle's positions and normals as the kernel takes them.

@@ -4,13 +4,15 @@
 use rayon::prelude::*;
 
 use super::kinds::Kinds;
-use super::{CurvedOptions, corners};
+use super::spheres::Spheres;
+use super::{CurvedOptions, corners, outline};
 use crate::mesh::{Mesh, Topology};
 use crate::surface::{Patch, PatchFlags, PatchKind, PatchRecord};
 
 pub(super) struct Prepared {
     pub records: Vec<PatchRecord>,
     pub kinds: Kinds,
+    pub spheres: Spheres,
 }
 
 pub(super) fn prepare(mesh: &Mesh, topology: &Topology, options: &CurvedOptions) -> Prepared {
@@ -26,7 +28,14 @@ pub(super) fn prepare(mesh: &Mesh, topology: &Topology, options: &CurvedOptions)
         .par_iter()
         .map(|record| Kinds::of(record.kind()))
         .reduce(Kinds::default, |a, b| a + b);
-    Prepared { records, kinds }
+    let spheres = (records.par_iter().enumerate())
+        .map(|(triangle, record)| Spheres::of(outline(mesh, triangle, record).sphere()))
+        .reduce(Spheres::default, |a, b| a + b);
+    Prepared {
+        records,
+        kinds,
+        spheres,
+    }
 }
 
 fn record(mesh: &Mesh, triangle: usize, flags: PatchFlags) -> PatchRecord {
@@ -36,7 +45,7 @@ fn record(mesh: &Mesh, triangle: usize, flags: PatchFlags) -> PatchRecord {
 
 /// What the sides alone ask for.
 fn flags(topology: &Topology, triangle: usize, options: &CurvedOptions) -> PatchFlags {
-    let none = PatchFlags::new(options.surface);
+    let none = PatchFlags::new(options.surface).with_bounds(options.bounds);
     if options.unchecked {
         return none.with_unchecked();
     }

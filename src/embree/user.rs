@@ -1,7 +1,7 @@
 //! User geometry: surfaces that Rust code intersects.
 
 use std::marker::PhantomData;
-use std::ops::Deref;
+use std::ops::{Deref, DerefMut};
 
 use super::bounds::Bounds;
 use super::filter::{query_filter, read_ray};
@@ -78,9 +78,15 @@ struct Filtered {
 }
 
 impl QueryRays<'_> {
-    /// The primitive's number in its geometry.
+    /// The primitive's number in its geometry, or what [`set_prim_id`](Self::set_prim_id) made it.
     pub fn prim_id(&self) -> u32 {
         self.prim_id
+    }
+
+    /// Gives the hits reported from now on this number: for a primitive of Embree's that stands for
+    /// several of the geometry's own.
+    pub fn set_prim_id(&mut self, prim_id: u32) {
+        self.prim_id = prim_id;
     }
 
     /// The geometry's number in its scene.
@@ -216,11 +222,23 @@ impl<'a> Deref for IntersectQuery<'a> {
     }
 }
 
+impl DerefMut for IntersectQuery<'_> {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.rays
+    }
+}
+
 impl<'a> Deref for OccludedQuery<'a> {
     type Target = QueryRays<'a>;
 
     fn deref(&self) -> &QueryRays<'a> {
         &self.rays
+    }
+}
+
+impl DerefMut for OccludedQuery<'_> {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.rays
     }
 }
 

@@ -67,7 +67,7 @@ impl Camera {
     ///
     /// # Errors
     /// If the camera sees nothing.
-    pub(super) fn lens(
+    pub(crate) fn lens(
         &self,
         origin: DVec3,
         width: usize,
@@ -88,6 +88,7 @@ impl Camera {
         let corner = forward - 0.5 * pixel * (width as f64 * right - height as f64 * up);
         Ok(Lens {
             eye: (self.eye - origin).as_vec3(),
+            forward: forward.as_vec3(),
             corner: corner.as_vec3(),
             across: (pixel * right).as_vec3(),
             down: (-pixel * up).as_vec3(),
@@ -121,8 +122,10 @@ impl Axes {
 
 /// A camera prepared for a picture's size, in the scene's local space.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lens {
+pub(crate) struct Lens {
     eye: Vec3,
+    /// Unit, straight ahead.
+    forward: Vec3,
     /// Direction to the picture's upper left corner.
     corner: Vec3,
     /// From pixel to pixel to the right.
@@ -139,6 +142,11 @@ impl Lens {
             self.eye,
             (self.corner + x * self.across + y * self.down).normalize(),
         )
+    }
+
+    /// How far a vector leads straight ahead.
+    pub fn ahead(&self, vector: Vec3) -> f32 {
+        vector.dot(self.forward)
     }
 
     /// Where a point of the local space is in the picture, in pixels; `None` behind the camera.

@@ -1,137 +1,123 @@
-//! Shading by the sun, with shadows, and the sky.
+//! Light that comes straight from sun, lamp and sky.
 
 use glam::{Vec3, Vec4};
 
-use super::light::Lighting;
-use super::scene::{Scene, reach, rounding};
+use super::bsdf::cosine_direction;
+use super::sampler::Sample;
 use super::stats::Rays;
-use crate::embree::{QueryOptions, Ray, RayPacket};
+use super::world::{Estimator, LANES, Lanes, Seen, World};
+use crate::embree::{Ray, RayPacket};
 
-/// Rays traced together.
-pub(super) const LANES: usize = 16;
-
-/// An endless plane that fades away from the scene.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct GroundPlane {
-    /// Upwards; unit length.
-    pub up: Vec3,
-    /// Its height along `up`.
-    pub height: f32,
-    /// Where the scene is.
-    pub centre: Vec3,
-    /// Where it begins to fade, and where it ends, in distance from the centre.
-    pub fade: [f32; 2],
-}
-
-/// What a ray sees, before it is lit.
-#[derive(Clone, Copy)]
-struct Seen {
-    /// Where a secondary ray starts: off the surface by its error.
-    start: Vec3,
-    /// Unit, towards the viewer.
-    normal: Vec3,
-    /// How much of the background it hides.
-    coverage: f32,
-}
-
-/// Diffuse surfaces under a sun and a sky.
+/// Diffuse surfaces under a sun, a lamp and a sky, without light from other surfaces.
 pub(super) struct Direct<'a> {
-    pub scene: &'a Scene,
-    pub lighting: &'a Lighting,
-    /// Share of light that surfaces reflect.
-    pub albedo: f32,
-    pub ground: Option<GroundPlane>,
+    pub world: World<'a>,
+    /// Whether surfaces hide the sky from each other.
+    pub sky_shadows: bool,
 }
 
-impl Direct<'_> {
-    /// Traces a packet of camera rays, whose directions are of unit length, and what lights them.
-    /// Gives each lane's radiance, multiplied by its coverage, and the coverage; zeros where it
-    /// sees nothing.
-    pub fn trace(&self, packet: &mut RayPacket<LANES>, rays: &mut Rays) -> [Vec4; LANES] {
+impl Estimator for Direct<'_> {
+    fn trace(
+        &self,
+        packet: &mut RayPacket<LANES>,
+        samples: &Lanes<Sample>,
+        rays: &mut Rays,
+    ) -> Lanes<Vec4> {
+        rays.primary += u64::from(packet.active().count_ones());
         let active = packet.active();
-        self.scene.tree().intersect(packet, &QueryOptions::COHERENT);
-        let seen: [Option<Seen>; LANES] = std::array::from_fn(|lane| {
-            if active & 1 << lane != 0 {
-                self.seen(packet, lane)
+        let seen = self.world.seen_by_packet(packet);
+        let numbers: Lanes<[f32; 4]> = samples.map(|sample| {
+            if self.world.lamp.is_some() || self.sky_shadows {
+                sample.numbers(0)
             } else {
-                None
+                [0.0; 4]
             }
         });
-        let mut shadows = RayPacket::<LANES>::new();
-        for (lane, seen) in seen.iter().enumerate() {
-            if let Some(seen) = seen.filter(|seen| self.towards_sun(seen) > 0.0) {
-                shadows.set_ray(lane, &Ray::new(seen.start, self.lighting.towards_sun));
-            }
-        }
-        rays.primary += u64::from(active.count_ones());
-        rays.shadow += u64::from(shadows.active().count_ones());
-        let sunlit = shadows.active();
-        let dark = self
-            .scene
-            .tree()
-            .occluded(&mut shadows, &QueryOptions::COHERENT);
-        let sunlit = sunlit & !dark;
+        let sun = self.world.sunlight(&seen, true, rays);
+        let lamp = self.world.lamplight(&seen, &numbers, true, rays);
+        let sky = self.skylight(&seen, &numbers, rays);
         std::array::from_fn(|lane| match &seen[lane] {
-            Some(seen) => self.lit(seen, sunlit & 1 << lane != 0),
+            Some(seen) => {
+                let light = sky[lane] + sun[lane] + lamp[lane];
+                (seen.coverage * self.world.picture.albedo * light).extend(seen.coverage)
+            }
+            None if active & 1 << lane != 0 => self.world.behind(&packet.ray(lane)),
             None => Vec4::ZERO,
         })
     }
+}
 
-    fn towards_sun(&self, seen: &Seen) -> f32 {
-        seen.normal.dot(self.lighting.towards_sun)
-    }
-
-    fn lit(&self, seen: &Seen, sunlit: bool) -> Vec4 {
-        let sky = self.lighting.sky.on(seen.normal);
-        let sun = if sunlit {
-            self.lighting.sun * self.towards_sun(seen)
-        } else {
-            Vec3::ZERO
-        };
-        (seen.coverage * self.albedo * (sky + sun)).extend(seen.coverage)
-    }
-
-    /// What a lane's ray sees first: a mesh or the ground.
-    fn seen(&self, packet: &RayPacket<LANES>, lane: usize) -> Option<Seen> {
-        let ray = packet.ray(lane);
-        let Some(hit) = packet.hit(lane) else {
-            return self.seen_ground(&ray, f32::INFINITY);
-        };
-        if let Some(ground) = self.seen_ground(&ray, hit.t) {
-            return Some(ground);
+impl Direct<'_> {
+    fn skylight(
+        &self,
+        seen: &Lanes<Option<Seen>>,
+        numbers: &Lanes<[f32; 4]>,
+        rays: &mut Rays,
+    ) -> Lanes<Vec3> {
+        let sky = &self.world.picture.lighting.sky;
+        if !self.sky_shadows {
+            return seen.map(|seen| seen.map_or(Vec3::ZERO, |seen| sky.on(seen.normal)));
         }
-        let unit = hit.ng.normalize_or_zero();
-        let normal = if unit.dot(ray.direction) > 0.0 {
-            -unit
-        } else {
-            unit
-        };
-        Some(Seen {
-            start: self.scene.leaving_point(&hit, &ray, normal),
-            normal,
-            coverage: 1.0,
+        let outwards: Lanes<Option<Ray>> = std::array::from_fn(|lane| {
+            let (seen, [.., u, v]) = (seen[lane].as_ref()?, numbers[lane]);
+            let ray = seen.leaving(cosine_direction(seen.normal, [u, v]));
+            (ray.direction.dot(seen.facing) > 0.0).then_some(ray)
+        });
+        let passing = self.world.counted(&outwards, false, rays);
+        std::array::from_fn(|lane| match &outwards[lane] {
+            Some(ray) => passing[lane] * sky.radiance(ray.direction),
+            None => Vec3::ZERO,
+        })
+    }
+}
+
+impl World<'_> {
+    /// Radiance, for white surfaces, of the sun.
+    pub(super) fn sunlight(
+        &self,
+        seen: &Lanes<Option<Seen>>,
+        coherent: bool,
+        rays: &mut Rays,
+    ) -> Lanes<Vec3> {
+        let to_sun = seen.map(|seen| seen.and_then(|seen| self.to_sun(&seen)));
+        let passing = self.counted(&to_sun, coherent, rays);
+        std::array::from_fn(|lane| match &seen[lane] {
+            Some(seen) if passing[lane] > 0.0 => passing[lane] * self.sun_radiance(seen),
+            _ => Vec3::ZERO,
         })
     }
 
-    /// The ground, where it is before `tfar` and not faded away.
-    fn seen_ground(&self, ray: &Ray, tfar: f32) -> Option<Seen> {
-        let ground = self.ground.as_ref()?;
-        let above = ray.origin.dot(ground.up) - ground.height;
-        let t = -above / ray.direction.dot(ground.up);
-        if !(t > 0.0 && t < tfar) {
-            return None;
+    /// Radiance, for white surfaces, of the lamp, by a random direction to it each.
+    pub(super) fn lamplight(
+        &self,
+        seen: &Lanes<Option<Seen>>,
+        numbers: &Lanes<[f32; 4]>,
+        coherent: bool,
+        rays: &mut Rays,
+    ) -> Lanes<Vec3> {
+        if self.lamp.is_none() {
+            return [Vec3::ZERO; LANES];
         }
-        let [near, far] = ground.fade;
-        let distance = ray.at(t).distance(ground.centre);
-        let faded = ((distance - near) / (far - near)).clamp(0.0, 1.0);
-        let coverage = 1.0 - faded * faded * (3.0 - 2.0 * faded);
-        let normal = if above > 0.0 { ground.up } else { -ground.up };
-        let off = rounding(reach(ray, t).max(ground.height.abs()));
-        let seen = Seen {
-            start: ray.at(t) + off * normal,
-            normal,
-            coverage,
-        };
-        (coverage > 0.0).then_some(seen)
+        let to_lamp: Lanes<_> = std::array::from_fn(|lane| {
+            let [u, v, ..] = numbers[lane];
+            self.to_lamp(seen[lane].as_ref()?, [u, v])
+        });
+        let passing = self.counted(&to_lamp.map(|to| to.map(|(ray, _)| ray)), coherent, rays);
+        std::array::from_fn(|lane| match (&seen[lane], &to_lamp[lane]) {
+            (Some(seen), Some((_, sample))) => {
+                passing[lane] * seen.normal.dot(sample.direction) * sample.weight
+            }
+            _ => Vec3::ZERO,
+        })
+    }
+
+    /// As [`passing`](Self::passing), and counts the rays.
+    pub(super) fn counted(
+        &self,
+        lanes: &Lanes<Option<Ray>>,
+        coherent: bool,
+        rays: &mut Rays,
+    ) -> Lanes<f32> {
+        rays.shadow += lanes.iter().flatten().count() as u64;
+        self.passing(lanes, coherent)
     }
 }

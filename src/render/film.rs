@@ -6,12 +6,13 @@ use glam::{Vec3, Vec4};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
+use super::picture::Window;
+
 /// A picture in linear light: per pixel its radiance multiplied by its coverage, and the coverage,
 /// the share of the pixel where something was seen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
-    width: usize,
-    height: usize,
+    window: Window,
     pixels: Vec<Vec4>,
 }
 
@@ -41,21 +42,29 @@ impl Default for Background {
 impl Film {
     /// A film on which nothing was seen.
     pub fn new(width: usize, height: usize) -> Self {
+        Self::of(Window::all([width, height]))
+    }
+
+    /// A film for a part of a picture.
+    pub(super) fn of(window: Window) -> Self {
         Self {
-            width,
-            height,
-            pixels: vec![Vec4::ZERO; width * height],
+            window,
+            pixels: vec![Vec4::ZERO; window.count()],
         }
     }
 
     /// Pixels in a row.
     pub fn width(&self) -> usize {
-        self.width
+        self.window.size[0]
     }
 
     /// Rows.
     pub fn height(&self) -> usize {
-        self.height
+        self.window.size[1]
+    }
+
+    pub(super) fn window(&self) -> &Window {
+        &self.window
     }
 
     /// The pixels, row by row from the top: radiance (red, green, blue) times coverage, and
@@ -64,13 +73,11 @@ impl Film {
         &self.pixels
     }
 
-    /// Copies a square with this many pixels a side to this place; what lies beyond the film's edges
-    /// is left out.
-    pub(super) fn paste(&mut self, [x, y]: [usize; 2], side: usize, pixels: &[Vec4]) {
-        let width = side.min(self.width - x);
-        for (row, from) in pixels.chunks(side).take(self.height - y).enumerate() {
-            let at = (y + row) * self.width + x;
-            self.pixels[at..at + width].copy_from_slice(&from[..width]);
+    /// Copies a square with this many pixels a side to this place in the picture; what lies beyond
+    /// the film's edges is left out.
+    pub(super) fn paste(&mut self, corner: [usize; 2], side: usize, pixels: &[Vec4]) {
+        for (from, at) in self.window.rows_of(corner, side) {
+            self.pixels[at..at + from.len()].copy_from_slice(&pixels[from]);
         }
     }
 
@@ -93,7 +100,7 @@ impl Film {
             Background::Transparent => (self.with_alpha(gain), ExtendedColorType::Rgba8),
         };
         PngEncoder::new(writer)
-            .write_image(&bytes, self.width as u32, self.height as u32, color)
+            .write_image(&bytes, self.width() as u32, self.height() as u32, color)
             .map_err(|error| match error {
                 image::ImageError::IoError(error) => error,
                 other => io::Error::other(other),
@@ -102,8 +109,9 @@ impl Film {
 
     fn over(&self, top: Vec3, bottom: Vec3, gain: f32) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(3 * self.pixels.len());
-        for (row, pixels) in self.pixels.chunks(self.width).enumerate() {
-            let behind = top.lerp(bottom, (row as f32 + 0.5) / self.height as f32);
+        let (first, rows) = (self.window.corner[1], self.window.full[1]);
+        for (row, pixels) in self.pixels.chunks(self.width()).enumerate() {
+            let behind = top.lerp(bottom, ((first + row) as f32 + 0.5) / rows as f32);
             for pixel in pixels {
                 let light = gain * pixel.truncate() + (1.0 - pixel.w) * behind;
                 bytes.extend(light.to_array().map(srgb));
@@ -174,6 +182,29 @@ mod tests {
             image.get_pixel(2, 1).0,
             [srgb(0.75), srgb(0.25), srgb(0.25)]
         );
+    }
+
+    #[test]
+    fn a_part_of_a_picture_lies_over_its_part_of_the_background() {
+        let grid: Vec<Vec4> = (0..16).map(|n| Vec4::splat(0.01 * n as f32)).collect();
+        let film = |window: Window| {
+            let mut film = Film::of(window);
+            for corner in [[0, 0], [4, 0], [0, 4], [4, 4]] {
+                film.paste(corner, 4, &grid);
+            }
+            read(&film, Background::default(), 0.0).into_rgb8()
+        };
+        let whole = film(Window::all([7, 6]));
+        let (corner, size) = ([2, 3], [4, 2]);
+        let part = film(Window {
+            full: [7, 6],
+            corner,
+            size,
+        });
+        assert_eq!(part.dimensions(), (4, 2));
+        for (x, y, pixel) in part.enumerate_pixels() {
+            assert_eq!(pixel, whole.get_pixel(x + 2, y + 3), "{x} {y}");
+        }
     }
 
     #[test]

@@ -6,27 +6,41 @@
 //! not at all.
 
 mod all_hits;
+mod ao;
+mod aov;
 mod batch;
+mod bsdf;
 mod camera;
 mod direct;
+mod exr;
 mod film;
 mod framing;
+#[cfg(test)]
+mod glass_tests;
 mod light;
 mod output;
+mod path;
+mod picture;
 mod sampler;
 mod scene;
+mod shading;
 mod stats;
 mod tiles;
+mod world;
 
+pub use aov::{Aovs, aovs};
 pub use batch::{
     AllAnswers, Answers, NO_PRIMITIVE, PacketWidth, UserRay, UserRays, answer_all_hits,
     answer_occluded, answer_rays,
 };
+pub use bsdf::Material;
 pub use camera::{Camera, CameraError, UpAxis};
 pub use film::{Background, Film};
 pub use framing::Framing;
-pub use light::{Lighting, Sky};
+pub use light::{Lighting, Sky, SphereLight};
 pub use output::{OutputError, OutputFile, WriteSeek};
+pub use picture::{Crop, Ground, Integrator, Picture};
 pub use scene::{Form, Scene, SceneError, Shape};
+pub use shading::Shading;
 pub use stats::{MemoryParts, Rays, RenderStats, Times};
-pub use tiles::{Ground, Picture, render};
+pub use tiles::render;

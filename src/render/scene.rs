@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::stats::{MemoryParts, Times};
-use crate::curved::{CurvedMesh, CurvedOptions, Kinds};
+use crate::curved::{CurvedMesh, CurvedOptions, Kinds, Spheres};
 use crate::embree::{self, Device, Geometry, Hit, Ray, SceneBuilder};
 use crate::mesh::{Bounds, Mesh};
 use crate::surface::PatchKind;
@@ -139,6 +139,14 @@ impl Scene {
             .fold(Kinds::default(), |a, b| a + b)
     }
 
+    /// Curved triangles by the sphere that bounds them, of all meshes.
+    pub fn spheres(&self) -> Spheres {
+        self.shapes
+            .iter()
+            .map(Shape::spheres)
+            .fold(Spheres::default(), |a, b| a + b)
+    }
+
     /// Memory by part.
     pub fn memory(&self) -> MemoryParts {
         let sum = |of: fn(&Shape) -> usize| self.shapes.iter().map(|shape| of(shape) as u64).sum();
@@ -221,6 +229,13 @@ impl Shape {
                 ..Kinds::default()
             },
             Self::Curved(mesh) => *mesh.kinds(),
+        }
+    }
+
+    fn spheres(&self) -> Spheres {
+        match self {
+            Self::Flat(_) => Spheres::default(),
+            Self::Curved(mesh) => *mesh.spheres(),
         }
     }
 

@@ -3,13 +3,15 @@
 use std::ops::Add;
 use std::time::Duration;
 
-use crate::curved::{Counters, Kinds};
+use crate::curved::{Counters, Kinds, Spheres};
 
 /// What a picture took: time, memory, rays, and the kernel's work.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderStats {
     /// Triangles by kind, of all meshes.
     pub triangles: Kinds,
+    /// Curved triangles by the sphere that bounds them, where spheres were asked for.
+    pub spheres: Spheres,
     /// Time by step.
     pub times: Times,
     /// Memory by part.
@@ -49,14 +51,16 @@ pub struct MemoryParts {
 pub struct Rays {
     /// From the camera.
     pub primary: u64,
-    /// Towards the sun.
+    /// That ask whether something is in the way: to the sun, the lamp or the sky.
     pub shadow: u64,
+    /// From surface to surface.
+    pub bounce: u64,
 }
 
 impl Rays {
     /// All rays.
     pub fn total(&self) -> u64 {
-        self.primary + self.shadow
+        self.primary + self.shadow + self.bounce
     }
 }
 
@@ -66,6 +70,7 @@ impl Add for Rays {
         Self {
             primary: self.primary + other.primary,
             shadow: self.shadow + other.shadow,
+            bounce: self.bounce + other.bounce,
         }
     }
 }
@@ -103,8 +108,9 @@ mod tests {
     fn ratios_are_by_ray_and_by_call() {
         let stats = RenderStats {
             rays: Rays {
-                primary: 6,
+                primary: 5,
                 shadow: 2,
+                bounce: 1,
             },
             kernel: Counters {
                 calls: 16,

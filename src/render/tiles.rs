@@ -7,13 +7,16 @@ use std::time::Instant;
 use glam::Vec4;
 use rayon::prelude::*;
 
-use super::camera::{Camera, CameraError, Lens};
-use super::direct::{Direct, GroundPlane, LANES};
+use super::ao::AmbientOcclusion;
+use super::camera::{CameraError, Lens};
+use super::direct::Direct;
 use super::film::Film;
-use super::light::Lighting;
-use super::sampler::PixelSampler;
+use super::path::Path;
+use super::picture::{Integrator, Picture, Window};
+use super::sampler::{PixelSampler, Sample};
 use super::scene::Scene;
 use super::stats::{Rays, RenderStats};
+use super::world::{Estimator, LANES, World};
 use crate::curved::{Counters, counters};
 use crate::embree::{RayPacket, flush_denormals};
 
@@ -22,35 +25,6 @@ const TILE: usize = 16;
 /// Pixels a side of the blocks whose rays are traced together.
 const BLOCK: usize = 4;
 const _: () = assert!(BLOCK * BLOCK == LANES && TILE.is_multiple_of(BLOCK));
-
-/// What to render of a scene.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
-    /// Pixels in a row.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Camera rays a pixel, spread evenly over its square.
-    pub samples: u32,
-    /// The camera.
-    pub camera: Camera,
-    /// The lights.
-    pub lighting: Lighting,
-    /// Share of light that surfaces reflect, 0 to 1.
-    pub albedo: f32,
-    /// The ground.
-    pub ground: Ground,
-}
-
-/// A plane under the meshes that takes their shadows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Ground {
-    /// No ground.
-    #[default]
-    None,
-    /// An endless plane through the surface's lowest point that fades into the background.
-    Plane,
-}
 
 /// Renders a picture on the threads of the current rayon pool. The picture does not depend on how
 /// many these are.
@@ -61,37 +35,31 @@ pub enum Ground {
 /// If the camera sees nothing.
 ///
 /// # Panics
-/// If the picture has no pixel or no samples.
+/// If the picture has no pixel or no samples, a path no surfaces, or the crop is not within the
+/// picture.
 pub fn render(
     scene: &Scene,
     picture: &Picture,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<(Film, RenderStats), CameraError> {
-    let (width, height) = (picture.width, picture.height);
-    assert!(
-        width > 0 && height > 0 && picture.samples > 0,
-        "a picture of nothing"
-    );
-    let lens = picture.camera.lens(scene.origin(), width, height)?;
+    let window = picture.window();
+    assert!(picture.samples > 0, "a picture of nothing");
+    let lens = picture
+        .camera
+        .lens(scene.origin(), picture.width, picture.height)?;
     let start = Instant::now();
-    let direct = Direct {
-        scene,
-        lighting: &picture.lighting,
-        albedo: picture.albedo,
-        ground: picture.ground.plane(scene, &picture.lighting),
-    };
-    let columns = width.div_ceil(TILE);
-    let count = columns * height.div_ceil(TILE);
+    let estimator = estimator(scene, picture);
+    let places = tiles_of(&window);
     let done = AtomicUsize::new(0);
-    let tiles: Vec<Tile> = (0..count)
-        .into_par_iter()
-        .map(|n| {
-            let tile = Tile::traced(&direct, &lens, picture, [n % columns, n / columns]);
-            progress(done.fetch_add(1, Ordering::Relaxed) + 1, count);
+    let tiles: Vec<Tile> = places
+        .par_iter()
+        .map(|&corner| {
+            let tile = Tile::traced(&*estimator, &lens, picture, corner);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, places.len());
             tile
         })
         .collect();
-    let mut film = Film::new(width, height);
+    let mut film = Film::of(window);
     for tile in &tiles {
         film.paste(tile.corner, TILE, &tile.pixels);
     }
@@ -101,6 +69,7 @@ pub fn render(
         .fold(Work::default(), Work::add);
     let mut stats = RenderStats {
         triangles: scene.triangles(),
+        spheres: scene.spheres(),
         times: scene.times(),
         memory: scene.memory(),
         rays: work.rays,
@@ -110,22 +79,27 @@ pub fn render(
     Ok((film, stats))
 }
 
-impl Ground {
-    fn plane(self, scene: &Scene, lighting: &Lighting) -> Option<GroundPlane> {
-        match self {
-            Self::None => None,
-            Self::Plane => {
-                let (bounds, up) = (scene.bounds(), lighting.sky.up);
-                let radius = (0.5 * bounds.diagonal()) as f32;
-                Some(GroundPlane {
-                    up,
-                    height: scene.lowest(up),
-                    centre: (bounds.centre() - scene.origin()).as_vec3(),
-                    fade: [2.0 * radius, 12.0 * radius],
-                })
-            }
+fn estimator<'a>(scene: &'a Scene, picture: &'a Picture) -> Box<dyn Estimator + 'a> {
+    let world = World::new(scene, picture);
+    match picture.integrator {
+        Integrator::Direct { sky_shadows } => Box::new(Direct { world, sky_shadows }),
+        Integrator::AmbientOcclusion { distance } => Box::new(AmbientOcclusion { world, distance }),
+        Integrator::Path { depth } => {
+            assert!(depth > 0, "a path of no surfaces");
+            Box::new(Path { world, depth })
         }
     }
+}
+
+/// The corners of the tiles that a window shows a part of, on a grid that is the same whatever the
+/// window: so packets are the same, and a crop's pixels those of the whole picture.
+fn tiles_of(window: &Window) -> Vec<[usize; 2]> {
+    let [columns, rows] = [0, 1].map(|axis| {
+        let first = window.corner[axis] / TILE;
+        first..(window.corner[axis] + window.size[axis]).div_ceil(TILE)
+    });
+    rows.flat_map(|y| columns.clone().map(move |x| [x * TILE, y * TILE]))
+        .collect()
 }
 
 /// A square of the picture, done. Pixels beyond the picture's edges are empty.
@@ -153,10 +127,14 @@ impl Add for Work {
 }
 
 impl Tile {
-    fn traced(direct: &Direct<'_>, lens: &Lens, picture: &Picture, place: [usize; 2]) -> Self {
+    fn traced(
+        estimator: &dyn Estimator,
+        lens: &Lens,
+        picture: &Picture,
+        corner: [usize; 2],
+    ) -> Self {
         let _flush = flush_denormals();
         let before = counters();
-        let corner = place.map(|n| n * TILE);
         let mut tile = Self {
             corner,
             pixels: vec![Vec4::ZERO; TILE * TILE],
@@ -165,7 +143,7 @@ impl Tile {
         for block in 0..(TILE / BLOCK).pow(2) {
             let [x, y] = [block % (TILE / BLOCK), block / (TILE / BLOCK)].map(|n| n * BLOCK);
             let block = Block::new(picture, [corner[0] + x, corner[1] + y]);
-            let sums = block.traced(direct, lens, picture.samples, &mut tile.work.rays);
+            let sums = block.traced(estimator, lens, picture.samples, &mut tile.work.rays);
             for (lane, sum) in sums.into_iter().enumerate() {
                 tile.pixels[(y + lane / BLOCK) * TILE + x + lane % BLOCK] = sum;
             }
@@ -186,7 +164,7 @@ impl Block {
         let pixels = std::array::from_fn(|lane| {
             let [x, y] = [corner[0] + lane % BLOCK, corner[1] + lane / BLOCK];
             let inside = x < picture.width && y < picture.height;
-            inside.then(|| ([x, y], PixelSampler::new(x as u32, y as u32)))
+            inside.then(|| ([x, y], PixelSampler::new(x as u32, y as u32, picture.seed)))
         });
         Self { pixels }
     }
@@ -194,7 +172,7 @@ impl Block {
     /// Each pixel's mean over its samples, taken in their order.
     fn traced(
         &self,
-        direct: &Direct<'_>,
+        estimator: &dyn Estimator,
         lens: &Lens,
         samples: u32,
         rays: &mut Rays,
@@ -202,16 +180,19 @@ impl Block {
         let mut sums = [Vec4::ZERO; LANES];
         for sample in 0..samples {
             let mut packet = RayPacket::new();
+            let mut numbers = [Sample::default(); LANES];
             for (lane, pixel) in self.pixels.iter().enumerate() {
                 if let Some(([x, y], sampler)) = pixel {
                     let [dx, dy] = sampler.point(sample);
                     packet.set_ray(lane, &lens.ray(*x as f32 + dx, *y as f32 + dy));
+                    numbers[lane] = sampler.sample(sample);
                 }
             }
             if packet.active() == 0 {
                 break;
             }
-            for (sum, value) in sums.iter_mut().zip(direct.trace(&mut packet, rays)) {
+            let values = estimator.trace(&mut packet, &numbers, rays);
+            for (sum, value) in sums.iter_mut().zip(values) {
                 *sum += value;
             }
         }

@@ -8,60 +8,9 @@
 
 use super::height::MIN_DAMPING_FACTOR;
 use super::patch::{Patch, Rule, next};
+use super::range::Range;
 use super::real::Scalar;
 use super::vector::Vector;
-
-/// Closed range of values.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Range<S> {
-    lo: S,
-    hi: S,
-}
-
-impl<S: Scalar> Range<S> {
-    fn of(value: S) -> Self {
-        Self {
-            lo: value,
-            hi: value,
-        }
-    }
-    fn zero() -> Self {
-        Self::of(S::from_f64(0.0))
-    }
-    fn between(a: S, b: S) -> Self {
-        Self {
-            lo: a.lesser(b),
-            hi: a.greater(b),
-        }
-    }
-    fn hull(self, other: Self) -> Self {
-        Self {
-            lo: self.lo.lesser(other.lo),
-            hi: self.hi.greater(other.hi),
-        }
-    }
-    fn plus(self, other: Self) -> Self {
-        Self {
-            lo: self.lo + other.lo,
-            hi: self.hi + other.hi,
-        }
-    }
-    fn scaled(self, factor: S) -> Self {
-        Self::between(self.lo * factor, self.hi * factor)
-    }
-    fn times(self, other: Self) -> Self {
-        self.scaled(other.lo).hull(self.scaled(other.hi))
-    }
-    fn widened(self, by: S) -> Self {
-        Self {
-            lo: self.lo - by,
-            hi: self.hi + by,
-        }
-    }
-    fn max_abs(self) -> S {
-        self.lo.abs().greater(self.hi.abs())
-    }
-}
 
 /// Least share of `n.nc` that `B` must keep for the guides to reach the spheres.
 const MIN_REACH: f64 = 0.1;
@@ -397,8 +346,8 @@ fn end_lift<S: Scalar>(patch: &Patch<S>, k: usize, end: usize, along: S) -> S {
 /// the sides' inner points and the centre.
 pub(super) struct HeightNet<S> {
     /// `[near first, near second]` of each side.
-    sides: [[Range<S>; 2]; 3],
-    centre: Range<S>,
+    pub sides: [[Range<S>; 2]; 3],
+    pub centre: Range<S>,
 }
 
 impl<S: Scalar> HeightNet<S> {
@@ -475,12 +424,15 @@ fn correction_range<S: Scalar>(patch: &Patch<S>) -> Range<S> {
 
 impl<S: Scalar> Patch<S> {
     /// A box that contains the surface, in the units and axes of the positions: lower and upper
-    /// corner. Conservative, rounding included; empty (`lower > upper`) for a degenerate triangle.
+    /// corner. Tight, or the sphere's, as [the flags](super::PatchFlags::with_bounds) ask for. Conservative, rounding included; empty (`lower > upper`) for a degenerate triangle.
     pub fn bounds(&self) -> [Vector<S>; 2] {
         use super::patch::PatchKind;
         if self.kind() == PatchKind::Degenerate {
             let huge = S::HUGE;
             return [huge, -huge].map(|v| Vector { x: v, y: v, z: v });
+        }
+        if let Some(sphere) = &self.sphere {
+            return sphere.bounds(self);
         }
         let net = match self.rule {
             Rule::Flat => None,
@@ -520,7 +472,12 @@ impl<S: Scalar> Patch<S> {
             let centre = (points[1] + points[2]) * third;
             hull = hull.hull(net.centre.times(guide).plus(Range::of(centre)));
         }
-        // What rounding moves: inside the patch, and in adding the origin again.
+        self.in_space(hull, of)
+    }
+
+    /// A range of one coordinate inside the patch as one of the positions' coordinate, with room for
+    /// what rounding moves: inside, and in adding the origin again.
+    pub(super) fn in_space(&self, hull: Range<S>, of: fn(Vector<S>) -> S) -> Range<S> {
         let inside = S::EPSILON * S::from_f64(32.0);
         let hull = hull.widened(inside + hull.max_abs() * S::EPSILON * S::from_f64(8.0));
         let origin = of(self.origin);

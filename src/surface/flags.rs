@@ -29,6 +29,30 @@ impl Surface {
     }
 }
 
+/// What bounds a patch: its box for Embree, and what its rays are clipped to beside the side planes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum BoundsKind {
+    /// What is known of the surface's heights: a box hardly larger than it must be, and a slab
+    /// between the least and the greatest height.
+    #[default]
+    Tight,
+    /// The paper's: the sphere of greatest curvature (3), that on the triangle's circumscribed circle,
+    /// and its box (sections 4.4 and 4.8). It is larger where the surface may leave it, and smaller on
+    /// needles; see [`Sphere::is_enlarged`](super::Sphere::is_enlarged) and
+    /// [`Sphere::is_limited`](super::Sphere::is_limited). Flat triangles have their tight boxes.
+    Sphere,
+}
+
+impl BoundsKind {
+    /// The name used on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            BoundsKind::Tight => "tight",
+            BoundsKind::Sphere => "sphere",
+        }
+    }
+}
+
 /// The surface, the sides that must stay straight, and whether the triangle is to stay flat.
 ///
 /// Side `k` runs from vertex `k` to vertex `k + 1` (cyclically, from 0).
@@ -46,6 +70,7 @@ impl PatchFlags {
     const FLAT: u16 = 1 << 3;
     const SURFACE_SHIFT: u16 = 4;
     const UNCHECKED: u16 = 1 << 6;
+    const SPHERE: u16 = 1 << 7;
 
     /// All sides curved.
     pub const fn new(surface: Surface) -> Self {
@@ -73,6 +98,14 @@ impl PatchFlags {
     pub const fn with_unchecked(self) -> Self {
         Self(self.0 | Self::UNCHECKED)
     }
+    /// Bounded in this way.
+    #[must_use]
+    pub const fn with_bounds(self, bounds: BoundsKind) -> Self {
+        match bounds {
+            BoundsKind::Tight => Self(self.0 & !Self::SPHERE),
+            BoundsKind::Sphere => Self(self.0 | Self::SPHERE),
+        }
+    }
     /// Whether side `side` is straight.
     pub const fn is_straight(self, side: usize) -> bool {
         self.0 & (1 << side) != 0
@@ -84,6 +117,14 @@ impl PatchFlags {
     /// Whether the checks for folds and bends are left out.
     pub const fn is_unchecked(self) -> bool {
         self.0 & Self::UNCHECKED != 0
+    }
+    /// What bounds the patch.
+    pub const fn bounds(self) -> BoundsKind {
+        if self.0 & Self::SPHERE != 0 {
+            BoundsKind::Sphere
+        } else {
+            BoundsKind::Tight
+        }
     }
     /// The surface.
     pub const fn surface(self) -> Surface {
@@ -110,6 +151,11 @@ mod tests {
             );
             assert!(!flags.is_flat() && flags.with_flat().is_flat());
             assert_eq!(flags.with_flat().surface(), surface);
+            let round = flags.with_bounds(BoundsKind::Sphere);
+            assert_eq!((round.surface(), round.is_flat()), (surface, false));
+            assert_eq!(round.bounds(), BoundsKind::Sphere);
+            assert_eq!(round.with_bounds(BoundsKind::Tight), flags);
+            assert_eq!(flags.bounds(), BoundsKind::Tight);
         }
     }
 }

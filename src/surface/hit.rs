@@ -36,6 +36,12 @@ pub enum Solver {
     },
 }
 
+impl Solver {
+    /// The paper's iterative algorithm with all the digits that single precision has (n = 24), and
+    /// the fewest a step that miss no root in practice (n1 = 3).
+    pub const ITA: Solver = Solver::Ita { bits: 24, step: 3 };
+}
+
 impl Default for Solver {
     fn default() -> Self {
         Solver::Finish { parts: 8 }

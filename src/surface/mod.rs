@@ -30,8 +30,11 @@ mod outline;
 mod packet;
 mod patch;
 mod point;
+mod range;
 mod ray;
 mod real;
+mod record;
+mod sphere;
 mod vector;
 
 #[cfg(test)]
@@ -41,12 +44,14 @@ mod tests;
 
 pub use dual::Dual;
 pub use finish::MAX_PARTS;
-pub use flags::{PatchFlags, Surface};
+pub use flags::{BoundsKind, PatchFlags, Surface};
 pub use hit::{Hit, Solver};
 pub use outline::Outline;
-pub use packet::{HitLanes, RayLanes};
-pub use patch::{FlatReason, Patch, PatchKind, PatchRecord};
+pub use packet::{HitLanes, MAX_LANES, RayLanes};
+pub use patch::{FlatReason, Patch, PatchKind};
 pub use point::SurfacePoint;
 pub use ray::{Ray, Segment};
 pub use real::{Jet, Mask, Real, Scalar};
+pub use record::PatchRecord;
+pub use sphere::Sphere;
 pub use vector::{Vector, vector};

@@ -1,8 +1,11 @@
 //! The half of a patch that tells most rays that they miss it.
 
-use super::patch::{Patch, PatchKind, PatchRecord, Rule};
+use super::flags::BoundsKind;
+use super::patch::{Patch, PatchKind, Rule};
 use super::ray::{Ray, Segment};
-use super::real::{Real, Scalar, three};
+use super::real::{Real, Scalar};
+use super::record::PatchRecord;
+use super::sphere::Sphere;
 use super::vector::Vector;
 
 /// A patch's plane, side planes and slab: what tells most rays that they miss, for half of what the
@@ -25,14 +28,17 @@ impl<'a, S: Scalar> Outline<'a, S> {
     ) -> Self {
         let mut patch = Patch::empty(positions[0]);
         let edges = patch.lay_out(positions, normals);
-        patch.kind = record.kind;
+        patch.kind = record.kind();
         let [least, most] = record.slab;
         patch.slab = [S::from_f64(least.into()), S::from_f64(most.into())];
-        match record.kind {
-            PatchKind::Curved => patch.rule = Rule::of(record.flags.surface()),
+        match patch.kind {
+            PatchKind::Curved => patch.rule = Rule::of(record.flags().surface()),
             PatchKind::Fallback => patch.rule = Rule::Angular,
             PatchKind::Flat(reason) => patch.flatten(reason),
             PatchKind::Degenerate => {}
+        }
+        if record.flags().bounds() == BoundsKind::Sphere && patch.rule != Rule::Flat {
+            patch.sphere = Some(Sphere::of_record(&patch, record.enlargement));
         }
         Self {
             patch,
@@ -48,6 +54,11 @@ impl<'a, S: Scalar> Outline<'a, S> {
         self.patch.clip(ray, valid)
     }
 
+    /// The same as [`Patch::sphere`].
+    pub fn sphere(&self) -> Option<&Sphere<S>> {
+        self.patch.sphere()
+    }
+
     /// The same as [`Patch::beyond`].
     pub fn beyond(&self, ray: &Ray<S>, t: S) -> S {
         self.patch.beyond(ray, t)
@@ -60,12 +71,12 @@ impl<'a, S: Scalar> Outline<'a, S> {
         if patch.rule == Rule::Flat {
             return patch;
         }
-        patch.lay_surface(self.edges, self.normals, self.record.flags);
+        patch.lay_surface(self.edges, self.normals, self.record.flags());
         if patch.rule == Rule::Angular {
             patch.set_angles();
         }
-        for (side, kept) in patch.sides.iter_mut().zip(&self.record.correction) {
-            side.correction = three(|n| S::from_f64(kept[n].into()));
+        for (side, kept) in patch.sides.iter_mut().zip(self.record.correction()) {
+            side.correction = kept;
         }
         patch
     }

@@ -157,6 +157,9 @@ fn every_lane_is_its_ray_alone() {
                 if n % 5 == 0 {
                     flags = flags.with_straight(n % 3);
                 }
+                if n % 3 == 1 {
+                    flags = flags.with_bounds(BoundsKind::Sphere);
+                }
                 if n % 13 == 0 {
                     flags = flags.with_flat();
                 }

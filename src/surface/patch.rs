@@ -6,9 +6,11 @@
 
 use super::bounds::{self, HeightNet};
 use super::correction;
-use super::flags::{PatchFlags, Surface};
+use super::flags::{BoundsKind, PatchFlags, Surface};
 use super::outline::Outline;
 use super::real::{Real, Scalar, three};
+use super::record::PatchRecord;
+use super::sphere::Sphere;
 use super::vector::{Vector, vector};
 
 /// Below this cosine between a vertex normal and the triangle's plane normal the method does not
@@ -110,28 +112,6 @@ pub(super) struct Vertex<S> {
     pub inverse_angle: S,
 }
 
-/// The per-triangle results worth keeping: with the three vertices they give the patch back
-/// without computing bounds and correction again.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct PatchRecord {
-    pub(super) flags: PatchFlags,
-    pub(super) kind: PatchKind,
-    pub(super) slab: [f32; 2],
-    pub(super) correction: [[f32; 3]; 3],
-}
-
-impl PatchRecord {
-    /// The flags the patch was made with.
-    pub fn flags(&self) -> PatchFlags {
-        self.flags
-    }
-    /// What the triangle turned out to be.
-    pub fn kind(&self) -> PatchKind {
-        self.kind
-    }
-}
-
 /// A curved triangle, ready for rays.
 ///
 /// `S` is `f32` or `f64`; the `f64` patch of the same vertices is the oracle for the `f32` one.
@@ -158,6 +138,8 @@ pub struct Patch<S> {
     pub(super) area2: S,
     /// Least and greatest height of the surface over its plane.
     pub(super) slab: [S; 2],
+    /// What rays are clipped to in the slab's place, and what the box is of, where it was asked for.
+    pub(super) sphere: Option<Sphere<S>>,
     pub(super) rule: Rule,
     pub(super) any_obtuse: bool,
     pub(super) any_loose: bool,
@@ -191,6 +173,9 @@ impl<S: Scalar> Patch<S> {
             }
         };
         patch.slab = net.slab();
+        if flags.bounds() == BoundsKind::Sphere {
+            patch.sphere = Some(Sphere::around(&patch, &net));
+        }
         patch
     }
 
@@ -201,18 +186,6 @@ impl<S: Scalar> Patch<S> {
         record: &PatchRecord,
     ) -> Self {
         Outline::new(positions, normals, record).complete()
-    }
-
-    /// What [`Patch::from_record`] needs to know beside the vertices.
-    pub fn record(&self, flags: PatchFlags) -> PatchRecord {
-        PatchRecord {
-            flags,
-            kind: self.kind,
-            slab: self.slab.map(|z| z.to_f64() as f32),
-            correction: self
-                .sides
-                .map(|side| side.correction.map(|c| c.to_f64() as f32)),
-        }
     }
 
     /// What the triangle turned out to be.
@@ -234,6 +207,12 @@ impl<S: Scalar> Patch<S> {
     /// positions. Conservative.
     pub fn heights(&self) -> [S; 2] {
         self.slab.map(|z| z * self.size)
+    }
+
+    /// The sphere that bounds the patch, if it was [asked](PatchFlags::with_bounds) for and the patch is
+    /// not flat.
+    pub fn sphere(&self) -> Option<&Sphere<S>> {
+        self.sphere.as_ref()
     }
 
     /// Everything that follows from the vertices without looking at the surface.
@@ -347,6 +326,7 @@ impl<S: Scalar> Patch<S> {
             along_base: none,
             area2: zero,
             slab: [zero; 2],
+            sphere: None,
             rule: Rule::Flat,
             any_obtuse: false,
             any_loose: false,
@@ -493,6 +473,7 @@ impl<S: Scalar> Patch<S> {
         }
         if flags.surface() == Surface::Smooth {
             correction::fit(self, flags);
+            self.round_correction();
         }
         Ok(HeightNet::new(self, &spread))
     }
@@ -513,8 +494,3 @@ impl<S: Scalar> Patch<S> {
         }
     }
 }
-
-const _: () = assert!(
-    size_of::<PatchRecord>() == 48,
-    "what is kept of a triangle has grown"
-);

@@ -43,13 +43,13 @@ pub struct Segment<V: Real> {
 
 /// How far beyond its sides a patch is still searched, in barycentric coordinates, before the
 /// ray's own rounding: a guard, so that no ray slips between neighbours.
-const OVERLAP_EPSILONS: f64 = 256.0;
+pub(super) const OVERLAP_EPSILONS: f64 = 256.0;
 /// How far beside a guide a hit may lie before the ray's own rounding.
 const STRAY_EPSILONS: f64 = 64.0;
 /// The steepest that F is expected to be along a ray, for a unit of its way.
 const STEEPEST: f64 = 8.0;
 /// What a ray from one unit away moves by rounding, in units of epsilon.
-const RAY_EPSILONS: f64 = 4.0;
+pub(super) const RAY_EPSILONS: f64 = 4.0;
 
 /// How far beyond side `k` a ray from this distance, in units of the patch's size, still counts.
 ///
@@ -62,7 +62,7 @@ fn guard<S: Scalar, V: Real<Scalar = S>>(patch: &Patch<S>, k: usize, distance: V
 }
 
 #[inline(always)]
-fn max_abs<V: Real>(v: Vector<V>) -> V {
+pub(super) fn max_abs<V: Real>(v: Vector<V>) -> V {
     v.x.abs().greater(v.y.abs()).greater(v.z.abs())
 }
 
@@ -73,8 +73,8 @@ impl<V: Real> Segment<V> {
         !self.alive.any()
     }
 
-    /// The part of the ray between the three side planes and within the slab of heights; none in
-    /// lanes that are not valid.
+    /// The part of the ray between the three side planes (5) and within the slab of heights, or in the
+    /// paper's form within the sphere of greatest curvature (3); none in lanes that are not valid.
     #[inline(always)]
     pub(super) fn clip<S: Scalar>(patch: &Patch<S>, ray: &Ray<V>, valid: V::Mask) -> Self
     where
@@ -89,6 +89,9 @@ impl<V: Real> Segment<V> {
         let mut segment = Self::unclipped(patch, from, along, ray.tnear, end);
         let distance = max_abs(from);
         segment.clip_to(patch, distance, valid);
+        if let Some(sphere) = &patch.sphere {
+            segment.keep_within(sphere.chord(from, along, distance));
+        }
         segment.alive = segment.alive & segment.start.at_most(ray.tfar);
         if segment.is_empty() {
             return segment;
@@ -197,7 +200,7 @@ impl<V: Real> Segment<V> {
             );
         }
         // A flat triangle's slab has no thickness: there the crossing of its plane decides.
-        if patch.rule != Rule::Flat {
+        if patch.rule != Rule::Flat && patch.sphere.is_none() {
             let room = like.splat(S::EPSILON * S::from_f64(RAY_EPSILONS)) * distance;
             let [zmin, zmax] = [like.splat(patch.slab[0]), like.splat(patch.slab[1])];
             keep(self.z - zmin + room, self.z_rate);
@@ -206,6 +209,15 @@ impl<V: Real> Segment<V> {
         self.start = lo;
         self.length = hi - lo;
         self.alive = alive & lo.at_most(hi);
+    }
+
+    /// Cuts what lies outside an interval of the ray's parameter; all where there is none.
+    #[inline(always)]
+    fn keep_within(&mut self, (lo, hi, exists): (V, V, V::Mask)) {
+        let end = hi.lesser(self.start + self.length);
+        self.start = lo.greater(self.start);
+        self.length = end - self.start;
+        self.alive = self.alive & exists & self.start.at_most(end);
     }
 
     /// The tolerance at which a root is as good as the precision allows, in the segment's parameter.

@@ -5,27 +5,29 @@
 
 use std::sync::{Arc, Mutex};
 
-use curvetri::curved::{CurvedMesh, CurvedOptions};
+use curvetri::curved::{CurvedMesh, CurvedOptions, Primitives};
 use curvetri::embree::{
     Candidate, Device, Filter, Geometry, GeometryBuilder, Hit, QueryOptions, Ray, RayPacket, Scene,
     SceneBuilder, Traced, Width,
 };
-use curvetri::surface::{Solver, Surface};
+use curvetri::surface::{BoundsKind, Solver};
 use glam::Vec3;
 
 use crate::support::{Body, Random};
 
-/// Every surface by the default root finder, and the default one by the paper's.
+/// Every surface as it is by default, the paper's own form, and the default with the paper's root
+/// finder, or its bounds and primitives.
 pub fn all_options() -> Vec<CurvedOptions> {
-    let of = |surface, solver| CurvedOptions {
-        surface,
-        solver,
+    let mut all = crate::support::all_forms();
+    all.push(CurvedOptions {
+        solver: Solver::ITA,
         ..CurvedOptions::default()
-    };
-    let mut all = Surface::ALL
-        .map(|surface| of(surface, Solver::default()))
-        .to_vec();
-    all.push(of(Surface::default(), Solver::Ita { bits: 24, step: 3 }));
+    });
+    all.push(CurvedOptions {
+        bounds: BoundsKind::Sphere,
+        primitives: Primitives::Triangles,
+        ..CurvedOptions::default()
+    });
     all
 }
 

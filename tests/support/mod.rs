@@ -67,13 +67,16 @@ impl Body {
     }
 
     pub fn traced_by(&self, surface: Surface, solver: Solver) -> Traced {
-        let device = Device::new().expect("Embree is installed");
-        let options = CurvedOptions {
+        self.traced_with(&CurvedOptions {
             surface,
             solver,
             ..CurvedOptions::default()
-        };
-        let curved = Arc::new(CurvedMesh::new(self.mesh.clone(), &options));
+        })
+    }
+
+    pub fn traced_with(&self, options: &CurvedOptions) -> Traced {
+        let device = Device::new().expect("Embree is installed");
+        let curved = Arc::new(CurvedMesh::new(self.mesh.clone(), options));
         let scene = alone(
             &device,
             Geometry::user(&device, curved.clone()).unwrap().commit(),
@@ -84,6 +87,17 @@ impl Body {
             scene,
         }
     }
+}
+
+/// Every surface as it is by default, and the paper's own form.
+pub fn all_forms() -> Vec<CurvedOptions> {
+    let by_default = Surface::ALL.map(|surface| CurvedOptions {
+        surface,
+        ..CurvedOptions::default()
+    });
+    let mut all = by_default.to_vec();
+    all.push(CurvedOptions::paper());
+    all
 }
 
 fn alone(device: &Device, geometry: Result<Geometry, curvetri::embree::Error>) -> Scene {

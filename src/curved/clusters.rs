@@ -1,0 +1,431 @@
+//! Neighbouring triangles as one Embree primitive: a tree a level or three lower, fewer callbacks, and
+//! the boxes of all its triangles in two cache lines, tested at once.
+
+use fearless_simd::{Level, Simd, dispatch};
+use rayon::prelude::*;
+
+use crate::embree::{Bounds, Ray};
+use crate::surface::{MAX_LANES, RayLanes};
+
+/// Most triangles of a cluster.
+pub(super) const SIZE: usize = 8;
+/// In place of a triangle's number where a cluster has fewer.
+const NONE: u32 = u32::MAX;
+/// Steps along an axis of a cluster's box in which its triangles' boxes are given.
+const STEPS: f32 = 255.0;
+/// Rounding of a ray's distance to a plane of a box, in units of epsilon of what it is computed from.
+const ROUNDING: f32 = 6.0 * f32::EPSILON;
+/// Least size of a direction's component: keeps its inverse, and products with it, finite.
+const LEAST_DIRECTION: f32 = 1e-18;
+
+/// Some neighbouring triangles and their boxes.
+#[derive(Clone, Debug)]
+#[repr(C)]
+pub(super) struct Cluster {
+    /// The lower corner of the common box.
+    corner: [f32; 3],
+    /// A step along each axis.
+    step: [f32; 3],
+    /// The boxes' lower corners, in steps, an axis each.
+    lower: [[u8; SIZE]; 3],
+    /// Their upper ones.
+    upper: [[u8; SIZE]; 3],
+    triangles: [u32; SIZE],
+}
+
+/// Where a ray enters the boxes of a cluster.
+pub(super) struct Entries {
+    /// The boxes that it meets, one bit each.
+    pub met: u32,
+    /// The parameters.
+    at: [f32; SIZE],
+}
+
+/// Groups triangles by place. Triangles with an empty box are left out: nothing hits them.
+pub(super) fn group(boxes: &[Bounds]) -> Box<[Cluster]> {
+    let mut order: Vec<u32> = (0..boxes.len() as u32)
+        .into_par_iter()
+        .filter(|&triangle| !boxes[triangle as usize].is_empty())
+        .collect();
+    split(boxes, &mut order);
+    order
+        .par_chunks(SIZE)
+        .map(|triangles| Cluster::new(boxes, triangles))
+        .collect()
+}
+
+/// Sorts triangles such that every run of [`SIZE`] from the first on is a compact one: by the boxes'
+/// centres, halved along the longest axis again and again, at a multiple of the size.
+fn split(boxes: &[Bounds], order: &mut [u32]) {
+    if order.len() <= SIZE {
+        return;
+    }
+    let centre = |triangle: u32| boxes[triangle as usize].lower + boxes[triangle as usize].upper;
+    let first = centre(order[0]);
+    let (lower, upper) = order[1..]
+        .iter()
+        .fold((first, first), |(lower, upper), &t| {
+            (lower.min(centre(t)), upper.max(centre(t)))
+        });
+    let axis = (upper - lower).max_position();
+    let half = (order.len() / 2).next_multiple_of(SIZE);
+    // The numbers decide between equal centres, so that the same mesh gives the same clusters.
+    order.select_nth_unstable_by(half, |&a, &b| {
+        let along = centre(a)[axis].total_cmp(&centre(b)[axis]);
+        along.then(a.cmp(&b))
+    });
+    let (left, right) = order.split_at_mut(half);
+    if left.len() > 1 << 12 {
+        rayon::join(|| split(boxes, left), || split(boxes, right));
+    } else {
+        split(boxes, left);
+        split(boxes, right);
+    }
+}
+
+impl Cluster {
+    fn new(boxes: &[Bounds], members: &[u32]) -> Self {
+        let of = |triangle: u32| &boxes[triangle as usize];
+        let all = members
+            .iter()
+            .fold(Bounds::EMPTY, |all, &triangle| all.union(*of(triangle)));
+        let mut cluster = Self {
+            corner: all.lower.to_array(),
+            step: [0.0; 3],
+            // An empty box: above its upper end.
+            lower: [[u8::MAX; SIZE]; 3],
+            upper: [[0; SIZE]; 3],
+            triangles: [NONE; SIZE],
+        };
+        for axis in 0..3 {
+            cluster.step[axis] = step(all.lower[axis], all.upper[axis]);
+        }
+        for (n, &triangle) in members.iter().enumerate() {
+            cluster.triangles[n] = triangle;
+            for axis in 0..3 {
+                let (lower, upper) = (of(triangle).lower[axis], of(triangle).upper[axis]);
+                cluster.lower[axis][n] = cluster.step_below(axis, lower);
+                cluster.upper[axis][n] = cluster.step_above(axis, upper);
+            }
+        }
+        cluster
+    }
+
+    /// The number of triangle `n`.
+    pub fn triangle(&self, n: usize) -> u32 {
+        self.triangles[n]
+    }
+
+    /// The box of all its triangles.
+    pub fn bounds(&self) -> Bounds {
+        let (corner, step) = (glam::Vec3::from(self.corner), glam::Vec3::from(self.step));
+        Bounds {
+            lower: corner,
+            upper: corner + step * STEPS,
+        }
+    }
+
+    /// Where a number of steps leads.
+    fn at(&self, axis: usize, steps: u8) -> f32 {
+        self.corner[axis] + self.step[axis] * f32::from(steps)
+    }
+
+    /// The greatest number of steps that leads no further than this.
+    fn step_below(&self, axis: usize, to: f32) -> u8 {
+        let mut steps = ((to - self.corner[axis]) / self.step[axis]).floor() as u8;
+        while steps > 0 && self.at(axis, steps) > to {
+            steps -= 1;
+        }
+        steps
+    }
+
+    /// The least number of steps that leads as far as this.
+    fn step_above(&self, axis: usize, to: f32) -> u8 {
+        let mut steps = ((to - self.corner[axis]) / self.step[axis]).ceil() as u8;
+        while steps < u8::MAX && self.at(axis, steps) < to {
+            steps += 1;
+        }
+        steps
+    }
+
+    /// The places that hold a triangle, one bit each.
+    fn present(&self) -> u32 {
+        let missing = self.triangles.iter().filter(|&&triangle| triangle == NONE);
+        ALL >> missing.count()
+    }
+
+    /// The boxes that a ray meets, and where.
+    pub fn entries(&self, ray: &Ray) -> Entries {
+        dispatch!(Level::new(), simd => simd.vectorize(
+            #[inline(always)]
+            || self.entries_of(ray)
+        ))
+    }
+
+    #[inline(always)]
+    fn entries_of(&self, ray: &Ray) -> Entries {
+        let (mut from, mut to) = ([ray.tnear; SIZE], [ray.tfar; SIZE]);
+        for axis in 0..3 {
+            let way = Way::new(self, axis, ray.origin[axis], ray.direction[axis]);
+            for n in 0..SIZE {
+                let (near, far) = way.between(self.lower[axis][n], self.upper[axis][n]);
+                from[n] = greater(from[n], near);
+                to[n] = lesser(to[n], far);
+            }
+        }
+        let met = (0..SIZE).fold(0, |met, n| met | u32::from(from[n] <= to[n]) << n);
+        Entries {
+            met: met & self.present(),
+            at: from,
+        }
+    }
+
+    /// For each triangle the lanes, of those in `valid`, whose rays meet its box, one bit a lane.
+    pub fn lanes(&self, rays: &RayLanes<'_>, valid: u32) -> [u32; SIZE] {
+        dispatch!(Level::new(), simd => simd.vectorize(
+            #[inline(always)]
+            || self.lanes_of(rays, valid)
+        ))
+    }
+
+    #[inline(always)]
+    fn lanes_of(&self, rays: &RayLanes<'_>, valid: u32) -> [u32; SIZE] {
+        let width = rays.tnear.len().min(MAX_LANES);
+        let mut ways = [[Way::default(); MAX_LANES]; 3];
+        for (axis, ways) in ways.iter_mut().enumerate() {
+            let (origin, direction) = (&rays.origin[axis][..width], &rays.direction[axis][..width]);
+            for lane in 0..width {
+                ways[lane] = Way::new(self, axis, origin[lane], direction[lane]);
+            }
+        }
+        let mut met = [0; SIZE];
+        for (n, met) in met.iter_mut().enumerate() {
+            if self.triangles[n] == NONE {
+                break;
+            }
+            let (mut from, mut to) = ([0.0; MAX_LANES], [-1.0; MAX_LANES]);
+            from[..width].copy_from_slice(&rays.tnear[..width]);
+            to[..width].copy_from_slice(&rays.tfar[..width]);
+            for (axis, ways) in ways.iter().enumerate() {
+                let (lower, upper) = (self.lower[axis][n], self.upper[axis][n]);
+                for lane in 0..MAX_LANES {
+                    let (near, far) = ways[lane].between(lower, upper);
+                    from[lane] = greater(from[lane], near);
+                    to[lane] = lesser(to[lane], far);
+                }
+            }
+            let lanes =
+                (0..MAX_LANES).fold(0, |m, lane| m | u32::from(from[lane] <= to[lane]) << lane);
+            *met = lanes & valid;
+        }
+        met
+    }
+}
+
+/// All places of a cluster, one bit each.
+const ALL: u32 = u32::MAX >> (u32::BITS as usize - SIZE);
+
+impl Entries {
+    /// The place of the box that the ray enters first of those met, which is then met no more; none
+    /// where all that are left are entered beyond `tfar`.
+    #[inline]
+    pub fn next(&mut self, tfar: f32) -> Option<usize> {
+        let mut nearest = None;
+        let mut left = self.met;
+        while left != 0 {
+            let n = left.trailing_zeros() as usize;
+            left &= left - 1;
+            if nearest.is_none_or(|nearest: usize| self.at[n] < self.at[nearest]) {
+                nearest = Some(n);
+            }
+        }
+        let nearest = nearest.filter(|&nearest| self.at[nearest] <= tfar)?;
+        self.met &= !(1 << nearest);
+        Some(nearest)
+    }
+}
+
+/// A ray's parameter along one axis of a cluster's box.
+#[derive(Clone, Copy, Default)]
+struct Way {
+    /// At the lower corner.
+    start: f32,
+    /// From one step to the next.
+    step: f32,
+    /// What rounding may move it by.
+    room: f32,
+}
+
+impl Way {
+    #[inline(always)]
+    fn new(cluster: &Cluster, axis: usize, origin: f32, direction: f32) -> Self {
+        let steep = direction.abs() < LEAST_DIRECTION;
+        let inverse = 1.0 / if steep { LEAST_DIRECTION } else { direction };
+        let (first, step) = (cluster.corner[axis] - origin, cluster.step[axis]);
+        // A direction that was moved off zero passes by a little further on.
+        Self {
+            start: first * inverse,
+            step: step * inverse,
+            room: (first.abs() + step * STEPS) * inverse.abs() * ROUNDING,
+        }
+    }
+
+    /// Where the ray is between two numbers of steps.
+    #[inline(always)]
+    fn between(&self, lower: u8, upper: u8) -> (f32, f32) {
+        let a = self.start + f32::from(lower) * self.step;
+        let b = self.start + f32::from(upper) * self.step;
+        (lesser(a, b) - self.room, greater(a, b) + self.room)
+    }
+}
+
+/// Of one instruction, as neither is NaN.
+#[inline(always)]
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// As [`lesser`].
+#[inline(always)]
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// A step along an axis from the lower to the upper end of a cluster's box, such that all of them
+/// reach the upper end whatever the rounding.
+fn step(lower: f32, upper: f32) -> f32 {
+    let mut step = (upper - lower) / STEPS;
+    while lower + step * STEPS < upper {
+        step = step.next_up();
+    }
+    step.max(f32::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Vec3, vec3};
+    use rand::{Rng, SeedableRng, rngs::SmallRng};
+
+    fn boxes(random: &mut SmallRng, count: usize, size: f32, centre: Vec3) -> Vec<Bounds> {
+        let mut point = |size: f32| vec3(random.random(), random.random(), random.random()) * size;
+        (0..count)
+            .map(|_| {
+                let lower = centre + point(size);
+                let upper = lower + point(size * 0.1);
+                Bounds { lower, upper }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn every_triangle_with_a_box_is_in_one_cluster_that_holds_it() {
+        let mut random = SmallRng::seed_from_u64(1);
+        for count in [0, 1, 7, 8, 9, 1000, 20_001] {
+            let mut boxes = boxes(&mut random, count, 2.0, Vec3::ZERO);
+            for empty in boxes.iter_mut().step_by(11) {
+                *empty = Bounds::EMPTY;
+            }
+            let clusters = group(&boxes);
+            let mut seen: Vec<u32> = Vec::new();
+            for cluster in &clusters {
+                for (n, &triangle) in cluster.triangles.iter().enumerate() {
+                    if triangle == NONE {
+                        continue;
+                    }
+                    seen.push(triangle);
+                    let wanted = &boxes[triangle as usize];
+                    for axis in 0..3 {
+                        assert!(cluster.at(axis, cluster.lower[axis][n]) <= wanted.lower[axis]);
+                        assert!(cluster.at(axis, cluster.upper[axis][n]) >= wanted.upper[axis]);
+                    }
+                }
+            }
+            seen.sort_unstable();
+            let expected = (0..count as u32).filter(|&n| n % 11 != 0);
+            assert_eq!(seen, expected.collect::<Vec<_>>());
+            assert_eq!(clusters.len(), seen.len().div_ceil(SIZE));
+        }
+    }
+
+    /// Whether a ray meets a box, in double precision.
+    fn meets(ray: &Ray, bounds: &Bounds) -> bool {
+        let (mut from, mut to) = (f64::from(ray.tnear), f64::from(ray.tfar));
+        for axis in 0..3 {
+            let [lower, upper, origin, direction] = [
+                bounds.lower[axis],
+                bounds.upper[axis],
+                ray.origin[axis],
+                ray.direction[axis],
+            ]
+            .map(f64::from);
+            if direction == 0.0 {
+                if origin < lower || origin > upper {
+                    return false;
+                }
+                continue;
+            }
+            let (a, b) = ((lower - origin) / direction, (upper - origin) / direction);
+            (from, to) = (from.max(a.min(b)), to.min(a.max(b)));
+        }
+        from <= to
+    }
+
+    #[test]
+    fn no_box_that_a_ray_meets_is_left_out() {
+        let mut random = SmallRng::seed_from_u64(2);
+        let (mut met, mut told) = (0, 0);
+        for (size, centre) in [
+            (1.0, Vec3::ZERO),
+            (1e-4, Vec3::ONE),
+            (1e4, vec3(-3e5, 2e5, 1e3)),
+        ] {
+            let boxes = boxes(&mut random, 400, size, centre);
+            let clusters = group(&boxes);
+            for n in 0..2000 {
+                let mut unit = || vec3(random.random(), random.random(), random.random());
+                let target = centre + unit() * size;
+                let from = centre + (unit() * 8.0 - 3.5) * size;
+                let mut direction = target - from;
+                if n % 5 == 0 {
+                    direction[n % 3] = 0.0;
+                }
+                let ray = Ray::new(from, direction);
+                for cluster in &clusters {
+                    let mut entries = cluster.entries(&ray);
+                    told += entries.met.count_ones();
+                    for (n, &triangle) in cluster.triangles.iter().enumerate() {
+                        if triangle != NONE && meets(&ray, &boxes[triangle as usize]) {
+                            met += 1;
+                            assert!(entries.met & 1 << n != 0, "{ray:?}");
+                        }
+                    }
+                    check_lanes(cluster, &ray, entries.met);
+                    let mut last = f32::NEG_INFINITY;
+                    while let Some(n) = entries.next(f32::INFINITY) {
+                        assert!(entries.at[n] >= last);
+                        last = entries.at[n];
+                    }
+                }
+            }
+        }
+        assert!(met > 5_000, "{met}");
+        assert!(f64::from(told) < 1.2 * f64::from(met), "{told} for {met}");
+    }
+
+    /// A packet of the same ray in some lanes says the same.
+    fn check_lanes(cluster: &Cluster, ray: &Ray, met: u32) {
+        let splat = |value| [value; 4];
+        let [o, d] = [ray.origin, ray.direction].map(|v| v.to_array().map(splat));
+        let (tnear, tfar) = (splat(ray.tnear), splat(ray.tfar));
+        let rays = RayLanes {
+            origin: [&o[0], &o[1], &o[2]],
+            direction: [&d[0], &d[1], &d[2]],
+            tnear: &tnear,
+            tfar: &tfar,
+        };
+        for (n, lanes) in cluster.lanes(&rays, 0b1010).into_iter().enumerate() {
+            assert_eq!(lanes, if met & 1 << n != 0 { 0b1010 } else { 0 });
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! What to render of a scene.
+
+use super::bsdf::Material;
+use super::camera::{Camera, UpAxis};
+use super::light::Lighting;
+use super::shading::Shading;
+
+/// What to render of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// The part to render; all without.
+    pub crop: Option<Crop>,
+    /// Camera rays a pixel, spread evenly over its square.
+    pub samples: u32,
+    /// Other seeds give other noise; the same one the same picture.
+    pub seed: u32,
+    /// How light is found.
+    pub integrator: Integrator,
+    /// The camera.
+    pub camera: Camera,
+    /// The lights.
+    pub lighting: Lighting,
+    /// What the meshes are made of.
+    pub material: Material,
+    /// Share of light that diffuse surfaces reflect, 0 to 1.
+    pub albedo: f32,
+    /// What flat triangles are lit by.
+    pub shading: Shading,
+    /// The ground.
+    pub ground: Ground,
+    /// Whether the sky is seen where nothing else is: such pixels are covered.
+    pub show_sky: bool,
+}
+
+/// A part of a picture, in pixels from its upper left corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crop {
+    /// Its first column.
+    pub x: usize,
+    /// Its first row.
+    pub y: usize,
+    /// Its columns, 1 or more.
+    pub width: usize,
+    /// Its rows, 1 or more.
+    pub height: usize,
+}
+
+/// How the light of a picture is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Integrator {
+    /// Only what comes straight from sun, lamp and sky.
+    Direct {
+        /// Whether surfaces hide the sky from each other, which makes noise.
+        sky_shadows: bool,
+    },
+    /// No lights: white, darker where the directions above a surface are not open (ambient
+    /// occlusion).
+    AmbientOcclusion {
+        /// How far away what hides counts, in the units of the meshes; may be infinite.
+        distance: f32,
+    },
+    /// Also what comes by other surfaces.
+    Path {
+        /// How many surfaces light meets at most on its way, 1 or more; with 1 it is the direct
+        /// light, with the sky's shadows.
+        depth: u32,
+    },
+}
+
+/// A plane under the meshes that takes their shadows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ground {
+    /// No ground.
+    #[default]
+    None,
+    /// An endless plane through the surface's lowest point that fades into the background.
+    Plane,
+}
+
+impl Default for Integrator {
+    fn default() -> Self {
+        Self::Direct { sky_shadows: false }
+    }
+}
+
+impl Picture {
+    /// A picture of this size by daylight, of 16 samples a pixel, without a ground.
+    pub fn new(width: usize, height: usize, camera: Camera, up: UpAxis) -> Self {
+        Self {
+            width,
+            height,
+            crop: None,
+            samples: 16,
+            seed: 0,
+            integrator: Integrator::default(),
+            camera,
+            lighting: Lighting::daylight(up),
+            material: Material::default(),
+            albedo: 0.7,
+            shading: Shading::default(),
+            ground: Ground::default(),
+            show_sky: false,
+        }
+    }
+
+    /// The part to render.
+    ///
+    /// # Panics
+    /// If it has no pixel or is not within the picture.
+    pub(super) fn window(&self) -> Window {
+        let full = [self.width, self.height];
+        let crop = self.crop.unwrap_or(Crop {
+            x: 0,
+            y: 0,
+            width: self.width,
+            height: self.height,
+        });
+        let (corner, size) = ([crop.x, crop.y], [crop.width, crop.height]);
+        for axis in [0, 1] {
+            let end = corner[axis].checked_add(size[axis]);
+            let within = end.is_some_and(|end| end <= full[axis]);
+            assert!(size[axis] > 0 && within, "{crop:?} of {full:?} pixels");
+        }
+        Window { full, corner, size }
+    }
+}
+
+/// The rendered part of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Window {
+    /// The whole picture's width and height.
+    pub full: [usize; 2],
+    /// The part's upper left corner in it.
+    pub corner: [usize; 2],
+    /// The part's own width and height.
+    pub size: [usize; 2],
+}
+
+impl Window {
+    /// All of a picture.
+    pub fn all(full: [usize; 2]) -> Self {
+        Self {
+            full,
+            corner: [0; 2],
+            size: full,
+        }
+    }
+
+    /// How many pixels it has.
+    pub fn count(&self) -> usize {
+        self.size[0] * self.size[1]
+    }
+
+    /// Where a square with this many pixels a side covers it: the places of each row's pixels in the
+    /// square, and in the window.
+    pub fn rows_of(
+        self,
+        corner: [usize; 2],
+        side: usize,
+    ) -> impl Iterator<Item = (std::ops::Range<usize>, usize)> {
+        let [columns, rows] = [0, 1].map(|axis| {
+            let end = self.corner[axis] + self.size[axis];
+            corner[axis].max(self.corner[axis])..(corner[axis] + side).min(end)
+        });
+        rows.map(move |y| {
+            let from = (y - corner[1]) * side + columns.start - corner[0];
+            let at = (y - self.corner[1]) * self.size[0] + columns.start - self.corner[0];
+            (from..from + columns.len(), at)
+        })
+    }
+}

@@ -1,0 +1,82 @@
+//! The normals that surfaces are lit by.
+
+use glam::Vec3;
+
+use super::scene::{Scene, Shape};
+use crate::embree::Hit;
+
+/// What flat triangles are lit by. A curved triangle is lit by its own normal, either way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shading {
+    /// Their own normals: every triangle is a facet.
+    #[default]
+    Geometric,
+    /// The vertices' normals, interpolated linearly between them (Phong shading): what a renderer does
+    /// with flat triangles to make them look smooth. Shadows are those of the flat triangles still.
+    Interpolated,
+}
+
+impl Shading {
+    /// The unit normal that a hit is lit by, on the same side of the surface as `facing`, one of the
+    /// two unit normals of the geometry there.
+    pub(crate) fn normal(self, scene: &Scene, hit: &Hit, facing: Vec3) -> Vec3 {
+        match (self, &scene.shapes()[hit.geom_id as usize]) {
+            (Self::Interpolated, Shape::Flat(mesh)) => {
+                let [a, b, c] = mesh.triangle_normals(hit.prim_id as usize);
+                let normal = (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c;
+                match normal.try_normalize() {
+                    Some(unit) if unit.dot(facing) < 0.0 => -unit,
+                    Some(unit) => unit,
+                    None => facing,
+                }
+            }
+            _ => facing,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::curved::CurvedOptions;
+    use crate::embree::{Device, QueryOptions, Ray};
+    use crate::mesh::Mesh;
+    use crate::render::Form;
+
+    #[test]
+    fn interpolated_normals_are_the_vertices_own_and_only_those_of_flat_triangles() {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        let normals = [DVec3::Z, DVec3::new(0.6, 0.0, 0.8), DVec3::Z];
+        let device = Device::new().unwrap();
+        let scene = |form| {
+            let mesh = Mesh::new(corners.to_vec(), Some(normals.to_vec()), vec![[0, 1, 2]]);
+            Scene::new(&device, vec![mesh.unwrap()], form).unwrap()
+        };
+        let at = |scene: &Scene, from: Vec3, shading: Shading| {
+            let ray = Ray::new(from, -from.z.signum() * Vec3::Z);
+            let hit = scene.tree().intersect1(&ray, &QueryOptions::INCOHERENT);
+            let hit = hit.expect("the triangle is there");
+            let unit = hit.ng.normalize() * from.z.signum();
+            (shading.normal(scene, &hit, unit), unit)
+        };
+        let flat = scene(Form::Flat);
+        let near = |a: Vec3, b: Vec3| (a - b).length() < 1e-6;
+        let middle = Vec3::new(0.5, 0.0001, 3.0);
+        let (normal, unit) = at(&flat, middle, Shading::Interpolated);
+        let expected = Vec3::new(0.3, 0.0, 0.9).normalize();
+        assert!((normal - expected).length() < 1e-3 && near(unit, Vec3::Z));
+        let (below, _) = at(
+            &flat,
+            middle * Vec3::new(1.0, 1.0, -1.0),
+            Shading::Interpolated,
+        );
+        assert!(near(below, -normal), "seen from below: {below}");
+        let (normal, unit) = at(&flat, middle, Shading::Geometric);
+        assert_eq!(normal, unit);
+        let curved = scene(Form::Curved(CurvedOptions::default()));
+        let (normal, unit) = at(&curved, middle, Shading::Interpolated);
+        assert_eq!(normal, unit);
+    }
+}

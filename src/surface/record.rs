@@ -1,0 +1,192 @@
+//! What is kept of a patch, in half a cache line.
+
+use super::flags::PatchFlags;
+use super::patch::{FlatReason, Patch, PatchKind};
+use super::real::Scalar;
+use super::sphere::Enlargement;
+
+/// The per-triangle results worth keeping: with the three vertices they give the patch back
+/// without computing bounds and correction again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct PatchRecord {
+    /// Least and greatest height, in units of the patch's size.
+    pub(super) slab: [f32; 2],
+    /// In units of two to the power of `exponent`: the correction vanishes on the sides, so that
+    /// 16 bits are enough for it.
+    correction: [[i16; 3]; 3],
+    flags: PatchFlags,
+    kind: u8,
+    exponent: i8,
+    /// Of the sphere of greatest curvature, where that bounds the patch.
+    pub(super) enlargement: Enlargement,
+}
+
+const _: () = assert!(
+    size_of::<PatchRecord>() == 32,
+    "what is kept of a triangle has grown"
+);
+
+/// Every kind; a record holds the place in this list.
+const KINDS: [PatchKind; 8] = [
+    PatchKind::Curved,
+    PatchKind::Fallback,
+    PatchKind::Degenerate,
+    PatchKind::Flat(FlatReason::Asked),
+    PatchKind::Flat(FlatReason::Sliver),
+    PatchKind::Flat(FlatReason::BackNormal),
+    PatchKind::Flat(FlatReason::Bend),
+    PatchKind::Flat(FlatReason::Fold),
+];
+
+/// Binary digits of the greatest coefficient.
+const DIGITS: i32 = 15;
+/// Exponents of the unit: what is below the least is nothing, and nothing is above the greatest.
+const EXPONENTS: [i32; 2] = [-100, 100];
+
+impl PatchRecord {
+    /// The flags the patch was made with.
+    pub fn flags(&self) -> PatchFlags {
+        self.flags
+    }
+
+    /// What the triangle turned out to be.
+    #[inline(always)]
+    pub fn kind(&self) -> PatchKind {
+        KINDS[usize::from(self.kind)]
+    }
+
+    /// The correction's coefficients, a side each.
+    #[inline(always)]
+    pub(super) fn correction<S: Scalar>(&self) -> [[S; 3]; 3] {
+        let unit = power_of_two(self.exponent.into());
+        self.correction
+            .map(|side| side.map(|c| S::from_f64((f32::from(c) * unit).into())))
+    }
+}
+
+impl<S: Scalar> Patch<S> {
+    /// What [`Patch::from_record`] needs to know beside the vertices.
+    pub fn record(&self, flags: PatchFlags) -> PatchRecord {
+        let kind = KINDS.iter().position(|&kind| kind == self.kind);
+        let exponent = self.correction_exponent();
+        PatchRecord {
+            slab: self.slab.map(|z| z.to_f64() as f32),
+            correction: self
+                .sides
+                .map(|side| side.correction.map(|c| digits(c, exponent))),
+            flags,
+            kind: kind.expect("every kind is in the list") as u8,
+            exponent: exponent as i8,
+            enlargement: self
+                .sphere
+                .map_or_else(Default::default, |s| s.enlargement()),
+        }
+    }
+
+    /// Rounds the correction to what a record holds of it, before anything is computed from it.
+    pub(super) fn round_correction(&mut self) {
+        let exponent = self.correction_exponent();
+        let unit = power_of_two(exponent);
+        for c in self.sides.iter_mut().flat_map(|side| &mut side.correction) {
+            *c = S::from_f64((f32::from(digits(*c, exponent)) * unit).into());
+        }
+    }
+
+    /// The exponent of the unit in which the greatest coefficient takes all the digits. Rounding to
+    /// that unit does not change it.
+    fn correction_exponent(&self) -> i32 {
+        let all = self.sides.iter().flat_map(|side| side.correction);
+        let greatest = all.fold(0.0, |most, c| c.to_f64().abs().max(most));
+        let [least, most] = EXPONENTS;
+        // In f64 every f32 and all that matters of f64 is a normal number, whose exponent this is.
+        let exponent = ((greatest.to_bits() >> 52) & 0x7ff) as i32 - 1023;
+        (exponent + 1 - DIGITS).clamp(least, most)
+    }
+}
+
+/// Exact, for the exponents of normal numbers.
+#[inline(always)]
+fn power_of_two(exponent: i32) -> f32 {
+    f32::from_bits(((exponent + 127) as u32) << 23)
+}
+
+/// A coefficient in units of two to this power; the greatest may round up beyond the digits, and is
+/// kept within.
+fn digits<S: Scalar>(coefficient: S, exponent: i32) -> i16 {
+    let unit = f64::from(power_of_two(exponent));
+    let most = f64::from(i16::MAX);
+    (coefficient.to_f64() / unit).round().clamp(-most, most) as i16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::{Surface, Vector, vector};
+
+    fn patch(correction: [[f64; 3]; 3]) -> Patch<f64> {
+        let mut patch = Patch::empty(vector(0.0, 0.0, 0.0));
+        for (side, c) in patch.sides.iter_mut().zip(correction) {
+            side.correction = c;
+        }
+        patch
+    }
+
+    #[test]
+    fn every_kind_is_kept() {
+        let mut patch = patch([[0.0; 3]; 3]);
+        for kind in KINDS {
+            patch.kind = kind;
+            assert_eq!(patch.record(PatchFlags::default()).kind(), kind);
+        }
+    }
+
+    #[test]
+    fn a_correction_keeps_fifteen_digits_and_rounding_is_done_once() {
+        for greatest in [1e-20, 3e-7, 0.5, 1.0, 0.999_999_9, 1.999_999_9, 4e3] {
+            let wanted = [
+                [greatest, -0.3 * greatest, 0.0],
+                [0.1 * greatest, -greatest, 1e-9 * greatest],
+                [0.0, 0.7 * greatest, -0.9 * greatest],
+            ];
+            let mut patch = patch(wanted);
+            patch.round_correction();
+            let rounded = patch.sides.map(|side| side.correction);
+            for (rounded, wanted) in rounded.iter().flatten().zip(wanted.iter().flatten()) {
+                let error = (rounded - wanted).abs();
+                assert!(
+                    error <= greatest * 2.0f64.powi(-14),
+                    "{rounded} for {wanted}"
+                );
+            }
+            let record = patch.record(PatchFlags::default());
+            assert_eq!(record.correction::<f64>(), rounded);
+            patch.round_correction();
+            assert_eq!(patch.sides.map(|side| side.correction), rounded);
+        }
+    }
+
+    #[test]
+    fn a_patch_comes_back_bit_for_bit() {
+        let positions = [
+            vector(0.0f32, 0.0, 0.0),
+            vector(1.0, 0.0, 0.1),
+            vector(0.2, 0.9, -0.1),
+        ];
+        let normals = [
+            vector(-0.2f32, -0.1, 1.0),
+            vector(0.3, 0.0, 1.0),
+            vector(0.0, 0.2, 1.0),
+        ]
+        .map(|n: Vector<f32>| n * (1.0 / n.length()));
+        for surface in Surface::ALL {
+            let flags = PatchFlags::new(surface);
+            let patch = Patch::new(positions, normals, flags);
+            let again = Patch::from_record(positions, normals, &patch.record(flags));
+            // The angles at the vertices are set where the rule asks for them.
+            assert_eq!((patch.kind, patch.rule), (again.kind, again.rule));
+            assert_eq!(patch.slab, again.slab);
+            assert_eq!(format!("{:?}", patch.sides), format!("{:?}", again.sides));
+        }
+    }
+}
