@@ -3,12 +3,12 @@
 use std::sync::{Arc, OnceLock};
 
 use arbitrary::Unstructured;
-use curvetri::curved::{CurvedMesh, CurvedOptions};
+use curvetri::curved::{CurvedMesh, CurvedOptions, Primitives};
 use curvetri::embree::{
     Device, Geometry, Hit, QueryOptions, Ray, RayPacket, Scene, SceneBuilder, Traced, Width,
 };
 use curvetri::mesh::{LoadOptions, Mesh, NormalsPolicy, RawMesh, Topology};
-use curvetri::surface::{Solver, Surface};
+use curvetri::surface::{BoundsKind, Solver, Surface};
 use glam::{DVec3, Vec3};
 
 /// How far outside its triangle a hit's foot may lie, in barycentric coordinates.
@@ -24,7 +24,7 @@ const RAYS: usize = 16;
 /// | bytes | meaning |
 /// |---|---|
 /// | 1 | the surface |
-/// | 1 | bits: 0 the paper's solver, 1 unchecked, 2 single precision, 3 a robust scene, 4 stored normals |
+/// | 1 | bits: 0 ITA, 1 unchecked, 2 single precision, 3 robust, 4 stored normals, 5 spheres, 6 triangles |
 /// | 1 | the crease angle in degrees |
 /// | 1, 1 | how many vertices and triangles |
 /// | 4 or 8 each | coordinates of the positions |
@@ -86,13 +86,21 @@ impl Options {
         let bits = byte(bytes);
         let bit = |k: u32| bits & 1 << k != 0;
         let solver = match bit(0) {
-            true => Solver::Ita { bits: 24, step: 3 },
+            true => Solver::ITA,
             false => Solver::default(),
         };
         Options {
             curved: CurvedOptions {
                 surface,
                 solver,
+                bounds: match bit(5) {
+                    true => BoundsKind::Sphere,
+                    false => BoundsKind::default(),
+                },
+                primitives: match bit(6) {
+                    true => Primitives::Triangles,
+                    false => Primitives::Clusters,
+                },
                 unchecked: bit(1),
             },
             load: LoadOptions {
