@@ -3,7 +3,7 @@
 
 mod support;
 
-use curvetri::curved::{CurvedMesh, CurvedOptions};
+use curvetri::curved::{CurvedMesh, CurvedOptions, Primitives};
 use curvetri::embree::{Bounds, UserGeometry};
 use curvetri::surface::{BoundsKind, Surface};
 use glam::Vec3;
@@ -66,6 +66,8 @@ fn with_bounds(surface: Surface, bounds: BoundsKind) -> CurvedOptions {
     CurvedOptions {
         surface,
         bounds,
+        // A box each.
+        primitives: Primitives::Triangles,
         ..CurvedOptions::default()
     }
 }

@@ -76,7 +76,7 @@ fn spheres_are_counted_where_they_are_asked_for() {
     // Two normals that lean far out over the side between them.
     let mesh = shop.write(
         "steep.obj",
-        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 -0.9 0.45\nf 1//2 2//2 3//1\n",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 -0.7 0.71\nf 1//2 2//2 3//1\n",
     );
     let tight = json(&shop, &[&mesh]);
     assert_eq!(tight["spheres"]["enlarged"], 0);
@@ -129,6 +129,31 @@ fn standard_input_is_read_and_named() {
         said.contains("standard input:2: \"x\" is no number"),
         "{said}"
     );
+}
+
+#[test]
+fn a_picture_shows_the_kinds_in_their_colours() {
+    let shop = Workshop::new();
+    // Two triangles, of which one has a normal that points away.
+    let file = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nv 3 0 0\nv 2 1 0\nvn 0 0 1\nvn 0 0 -1\n\
+                f 1//1 2//1 3//1\nf 4//1 5//1 6//2\n";
+    let mesh = shop.write("two.obj", file);
+    let picture = shop.path("kinds.png");
+    let red = |mesh: &str| {
+        let text = stdout(&shop.succeeds(&["inspect", "--image", &picture, mesh]));
+        assert!(
+            text.contains("colours    grey: curved, blue: fallback"),
+            "{text}"
+        );
+        let pixels = image::open(&picture).unwrap().to_rgb8();
+        let is_red = |&&image::Rgb([r, g, b]): &&image::Rgb<u8>| r > 60 && r > 2 * g.max(b);
+        pixels.pixels().filter(is_red).count()
+    };
+    assert!(red(&mesh) > 10_000, "{}", red(&mesh));
+    let good = shop.write("good.obj", file.replace("6//2", "6//1"));
+    assert_eq!(red(&good), 0);
+    let said = shop.fails(2, &["inspect", "--image", "kinds.jpg", &mesh]);
+    assert!(said.contains("kinds.jpg does not end in .png"), "{said}");
 }
 
 #[test]

@@ -212,18 +212,19 @@ fn a_method_is_its_parts_and_each_can_be_chosen() {
     let surface = ["--surface", "angular"];
     let bounds = ["--bounds", "sphere"];
     let solver = ["--solver", "ita"];
-    assert_eq!(paper, work(&[surface, bounds, solver].concat()));
+    let primitives = ["--primitives", "triangles"];
+    let parts = [surface, bounds, solver, primitives].concat();
+    assert_eq!(paper, work(&parts));
     let default = work(&[]);
     assert_eq!(default.1["enlarged"], 0);
     assert_eq!(default, work(&["--method", "default"]));
     let ours = [
-        "--surface",
-        "smooth",
-        "--bounds",
-        "tight",
-        "--solver",
-        "finish",
-    ];
+        ["--surface", "smooth"],
+        ["--bounds", "tight"],
+        ["--solver", "finish"],
+        ["--primitives", "clusters"],
+    ]
+    .concat();
     assert_eq!(default, work(&[&["--method", "paper"], &ours[..]].concat()));
     // Spheres let more rays through to a patch; fewer digits take fewer evaluations.
     let evaluations = |of: &(serde_json::Value, _)| of.0["evaluations"].as_u64().unwrap();

@@ -1,29 +1,11 @@
 //! Real meshes, where `CURVETRI_MESHES` points to a folder of them: each loads or is refused with a
 //! sentence.
 
-use std::path::{Path, PathBuf};
+mod support;
+
+use std::path::PathBuf;
 
 use curvetri::mesh::{LoadOptions, Topology, load};
-
-/// All files of these formats in a folder and those in it.
-fn files(folder: &Path) -> Vec<PathBuf> {
-    let endings = ["obj", "ply", "stl", "off", "gltf", "glb", "gz"];
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        let is_mesh = path
-            .extension()
-            .and_then(|e| e.to_str())
-            .is_some_and(|e| endings.contains(&e));
-        if path.is_dir() {
-            found.extend(files(&path));
-        } else if is_mesh {
-            found.push(path);
-        }
-    }
-    found.sort();
-    found
-}
 
 #[test]
 fn every_mesh_loads_or_is_refused_by_name() {
@@ -31,7 +13,7 @@ fn every_mesh_loads_or_is_refused_by_name() {
         println!("skipped, because CURVETRI_MESHES is not set");
         return;
     };
-    let files = files(&folder);
+    let files = support::mesh_files(&folder);
     assert!(
         !files.is_empty(),
         "there are no meshes in {}",

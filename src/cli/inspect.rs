@@ -3,16 +3,18 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::Args;
 use curvetri::curved::Inspection;
-use curvetri::render::Form;
+use curvetri::mesh::Loaded;
+use curvetri::render::{Form, Scene, Shape};
 use glam::DVec3;
 use serde_json::{Value, json};
 
 use super::console::{self, Console};
 use super::surface::SurfaceArgs;
-use super::usage;
+use super::values::UpChoice;
+use super::{device, paint, usage, values};
 
 /// Tell what is in a mesh, what the method does with it, and what to do about its problems
 #[derive(Args)]
@@ -25,6 +27,14 @@ pub struct InspectArgs {
     #[arg(long)]
     json: bool,
 
+    /// Paint the triangles' kinds on a picture of the mesh, and print what the colours mean
+    #[arg(long, value_name = "FILE.png", value_parser = values::png)]
+    image: Option<PathBuf>,
+
+    /// Which axis of the mesh points up in the picture
+    #[arg(long, value_enum, default_value_t = UpChoice::Y, requires = "image")]
+    up_axis: UpChoice,
+
     #[command(flatten)]
     surface: SurfaceArgs,
 }
@@ -36,16 +46,31 @@ pub fn run(args: &InspectArgs, console: &Console) -> Result<()> {
     };
     let loaded = args.surface.read(&args.mesh, console)?;
     let bar = console.spinner("curving");
-    let inspection = Inspection::new(loaded, &options);
+    let inspection = match &args.image {
+        None => Inspection::new(loaded, &options),
+        Some(image) => {
+            let Loaded { mesh, report, .. } = loaded;
+            let device = device(None)?;
+            let scene = Scene::new(&device, vec![mesh], args.surface.form()?)
+                .context("cannot build the scene")?;
+            bar.finish_and_clear();
+            paint::paint(&scene, image, args.up_axis.axis(), console)?;
+            let Shape::Curved(curved) = &scene.shapes()[0] else {
+                unreachable!("the form is a curved one");
+            };
+            Inspection::of(report, curved)
+        }
+    };
     bar.finish_and_clear();
+    let legend = args.image.is_some();
     console::print(&if args.json {
-        as_json(&inspection)
+        as_json(&inspection, legend)
     } else {
-        as_text(&inspection)
+        as_text(&inspection, legend)
     })
 }
 
-fn as_text(inspection: &Inspection) -> String {
+fn as_text(inspection: &Inspection, legend: bool) -> String {
     let Inspection {
         report, topology, ..
     } = inspection;
@@ -88,6 +113,11 @@ fn as_text(inspection: &Inspection) -> String {
     );
     line("problems", counts(&problems(inspection)));
     line("kinds", counts(&kinds(inspection)));
+    if legend {
+        let colours = paint::legend().map(|(kind, colour)| format!("{colour}: {kind}"));
+        let colours: Vec<String> = colours.collect();
+        line("colours", colours.join(", ").replace('_', " "));
+    }
     if inspection.spheres.total() > 0 {
         line("spheres", counts(&spheres(inspection)));
     }
@@ -180,6 +210,7 @@ fn problems(inspection: &Inspection) -> Vec<(&'static str, u64)> {
             "duplicate_triangles",
             inspection.topology.duplicate_triangles,
         ),
+        ("t_junctions", inspection.t_junctions),
         ("snapped_vertices", inspection.report.snapped),
         ("skipped_elements", inspection.report.skipped_elements),
     ]
@@ -197,7 +228,7 @@ fn spheres(inspection: &Inspection) -> Vec<(&'static str, u64)> {
 
 /// One JSON object. Lengths are in the mesh's units, memory in bytes; normals are counted by
 /// triangle corners.
-fn as_json(inspection: &Inspection) -> String {
+fn as_json(inspection: &Inspection, legend: bool) -> String {
     let object = |named: Vec<(&str, u64)>| {
         let entries = named
             .into_iter()
@@ -206,7 +237,7 @@ fn as_json(inspection: &Inspection) -> String {
     };
     let (bounds, memory) = (inspection.bounds, inspection.memory);
     let (sides, heights) = (inspection.sides, inspection.heights);
-    let value = json!({
+    let mut value = json!({
         "triangles": inspection.triangles,
         "polygons": inspection.report.polygons,
         "vertices": inspection.vertices,
@@ -235,5 +266,9 @@ fn as_json(inspection: &Inspection) -> String {
         "warnings": inspection.report.warnings,
         "advice": inspection.advice(),
     });
+    if legend {
+        let colours = paint::legend().map(|(kind, colour)| (kind.to_owned(), colour.into()));
+        value["colours"] = Value::Object(colours.collect());
+    }
     format!("{value:#}\n")
 }

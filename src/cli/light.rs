@@ -10,7 +10,8 @@ use super::{usage, values};
 #[derive(Args)]
 #[command(next_help_heading = "Light and ground")]
 pub struct LightArgs {
-    /// The direction towards the sun [default: to the upper left, in front]
+    /// The direction towards the sun [default: that of the files' first directional light, or to the
+    /// upper left, in front]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
     sun_direction: Option<DVec3>,
 
@@ -80,10 +81,10 @@ impl LightArgs {
         Ok(())
     }
 
-    /// The lights of a scene.
-    pub fn lighting(&self, up: UpAxis, scene: &Scene) -> Lighting {
+    /// The lights of a scene whose files have these suns.
+    pub fn lighting(&self, up: UpAxis, scene: &Scene, suns: &[DVec3]) -> Lighting {
         let mut lighting = Lighting::daylight(up);
-        if let Some(direction) = self.sun_direction {
+        if let Some(direction) = self.sun_direction.or(suns.first().copied()) {
             lighting.towards_sun = direction.as_vec3().normalize();
         }
         lighting.lamp = self.area_light.map(|(centre, radius)| {

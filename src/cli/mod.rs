@@ -6,6 +6,7 @@ mod console;
 mod inspect;
 mod integrator;
 mod light;
+mod paint;
 mod render;
 mod stats;
 mod surface;

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use curvetri::embree::Device;
-use curvetri::mesh::Mesh;
+use curvetri::mesh::{FileCamera, Scenery};
 use curvetri::render::{
-    Aovs, Camera, Crop, Film, Form, Framing, Ground, OutputFile, Picture, RenderStats, Scene,
-    UpAxis, aovs, render,
+    Aovs, Camera, Crop, Film, Form, Framing, Ground, OutputFile, Picture, RenderStats, Scene, aovs,
+    render,
 };
 use glam::DVec3;
 
@@ -17,7 +17,11 @@ use super::console::Console;
 use super::integrator::IntegratorArgs;
 use super::light::LightArgs;
 use super::surface::SurfaceArgs;
+use super::values::UpChoice;
 use super::{console, device, on_threads, stats, usage, values};
+
+/// The angle that the picture's height covers where nothing says it, in degrees.
+const DEFAULT_FOV: f64 = 35.0;
 
 /// The most pixels of a picture: four gigabytes of film.
 const MOST_PIXELS: usize = 1 << 28;
@@ -87,6 +91,11 @@ struct ViewArgs {
     #[arg(long, value_enum, default_value_t = UpChoice::Y)]
     up_axis: UpChoice,
 
+    /// A camera of the files, by its name or number (the first is 0), or none [default: the first,
+    /// where no --eye, --target or --up is given]
+    #[arg(long, value_name = "NAME|N|none")]
+    camera: Option<String>,
+
     /// Where the camera is [default: in front, above, a little to the right, as near as shows all]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     eye: Option<DVec3>,
@@ -99,15 +108,9 @@ struct ViewArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
     up: Option<DVec3>,
 
-    /// The angle that the picture's height covers
-    #[arg(long, value_name = "DEGREES", default_value = "35", value_parser = values::fov)]
-    fov: f64,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum UpChoice {
-    Y,
-    Z,
+    /// The angle that the picture's height covers [default: that of the file's camera, or 35]
+    #[arg(long, value_name = "DEGREES", value_parser = values::fov)]
+    fov: Option<f64>,
 }
 
 /// What a picture is written as, by its file's ending.
@@ -124,17 +127,20 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let device = device(args.threads)?;
     let (film, stats) = on_threads(args.threads, || {
         let start = Instant::now();
-        let meshes: Result<Vec<Mesh>> = args
-            .meshes
-            .iter()
-            .map(|path| args.surface.load(path, console))
-            .collect();
-        let (meshes, load) = (meshes?, start.elapsed());
+        let (mut meshes, mut scenery) = (Vec::new(), Scenery::default());
+        for path in &args.meshes {
+            let loaded = args.surface.load(path, console)?;
+            meshes.push(loaded.mesh);
+            scenery.cameras.extend(loaded.scenery.cameras);
+            scenery.suns.extend(loaded.scenery.suns);
+        }
+        let load = start.elapsed();
+        args.view.file_camera(&scenery.cameras)?;
         let output = OutputFile::create(&args.output)?;
         let bar = console.spinner("building");
         let scene = Scene::new(&device, meshes, form).context("cannot build the scene")?;
         bar.finish_and_clear();
-        let picture = args.picture(&scene)?;
+        let picture = args.picture(&scene, &scenery)?;
         let (film, mut stats) = traced(&scene, &picture, console)?;
         stats.times.load = load;
         match format {
@@ -220,14 +226,14 @@ impl RenderArgs {
         Ok(size)
     }
 
-    fn picture(&self, scene: &Scene) -> Result<Picture> {
+    fn picture(&self, scene: &Scene, scenery: &Scenery) -> Result<Picture> {
         let [width, height] = self.size()?;
         let up = self.view.up_axis.axis();
-        let lighting = self.light.lighting(up, scene);
+        let lighting = self.light.lighting(up, scene, &scenery.suns);
         let ground = self.light.ground();
         let framing = Framing {
             up,
-            fov_degrees: self.view.fov,
+            fov_degrees: self.view.fov.unwrap_or(DEFAULT_FOV),
             aspect: width as f64 / height as f64,
             shadows_of: (ground == Ground::Plane).then_some(lighting.towards_sun),
         };
@@ -238,7 +244,10 @@ impl RenderArgs {
             samples: self.samples,
             seed: self.integrator.seed,
             integrator: self.integrator.integrator()?,
-            camera: self.view.camera(framing.camera(scene)),
+            camera: match self.view.file_camera(&scenery.cameras)? {
+                Some(camera) => self.view.camera(from_file(camera)),
+                None => self.view.camera(framing.camera(scene)),
+            },
             lighting,
             material: self.integrator.material()?,
             albedo: self.light.albedo,
@@ -271,24 +280,48 @@ impl RenderArgs {
 }
 
 impl ViewArgs {
-    /// The camera as asked for, and where nothing is asked for as it framed the scene.
-    fn camera(&self, framed: Camera) -> Camera {
-        let target = self.target.unwrap_or(framed.target);
+    /// The camera of the files that is asked for, or the first where nothing is.
+    fn file_camera<'a>(&self, cameras: &'a [FileCamera]) -> Result<Option<&'a FileCamera>> {
+        let Some(wanted) = &self.camera else {
+            let placed = self.eye.is_some() || self.target.is_some() || self.up.is_some();
+            return Ok(cameras.first().filter(|_| !placed));
+        };
+        if wanted == "none" {
+            return Ok(None);
+        }
+        let by_name = cameras.iter().find(|camera| camera.name == *wanted);
+        let by_number = || wanted.parse().ok().and_then(|n: usize| cameras.get(n));
+        if let Some(camera) = by_name.or_else(by_number) {
+            return Ok(Some(camera));
+        }
+        let names: Vec<String> = cameras.iter().map(|c| format!("{:?}", c.name)).collect();
+        usage(match names.len() {
+            0 => format!("there is no camera {wanted:?}: the files have none"),
+            _ => format!(
+                "there is no camera {wanted:?}; there are {}",
+                names.join(", ")
+            ),
+        })
+    }
+
+    /// The camera as asked for, and where nothing is asked for this one.
+    fn camera(&self, start: Camera) -> Camera {
+        let target = self.target.unwrap_or(start.target);
         Camera {
-            // A target of its own moves the framing camera along.
-            eye: self.eye.unwrap_or(framed.eye + target - framed.target),
+            // A target of its own moves the camera along.
+            eye: self.eye.unwrap_or(start.eye + target - start.target),
             target,
-            up: self.up.unwrap_or(framed.up),
-            ..framed
+            up: self.up.unwrap_or(start.up),
+            fov_degrees: self.fov.unwrap_or(start.fov_degrees),
         }
     }
 }
 
-impl UpChoice {
-    fn axis(self) -> UpAxis {
-        match self {
-            Self::Y => UpAxis::Y,
-            Self::Z => UpAxis::Z,
-        }
+fn from_file(camera: &FileCamera) -> Camera {
+    Camera {
+        eye: camera.eye,
+        target: camera.eye + camera.forward,
+        up: camera.up,
+        fov_degrees: camera.fov_degrees,
     }
 }

@@ -28,9 +28,10 @@ pub fn text(stats: &RenderStats, device: &Device) -> String {
         "time",
         format!("{load:.3} s load, {curve:.3} s curve, {build:.3} s build, {render:.3} s render"),
     );
-    let memory =
-        named_memory(stats).map(|(name, bytes)| format!("{:.1} MB {name}", megabytes(bytes)));
-    line("memory", memory.join(", "));
+    let peak = peak_memory().map(|bytes| ("at the peak, all of the program", bytes));
+    let memory = named_memory(stats).into_iter().chain(peak);
+    let memory = memory.map(|(name, bytes)| format!("{:.1} MB {name}", megabytes(bytes)));
+    line("memory", memory.collect::<Vec<_>>().join(", "));
     let (rays, speed) = (stats.rays, stats.mray_per_second());
     line(
         "rays",
@@ -74,7 +75,10 @@ pub fn json(stats: &RenderStats, device: &Device) -> String {
         ),
         "seconds": Map::from_iter(times.map(|(name, time)| (name.to_owned(), json!(time)))),
         "bytes": Map::from_iter(
-            named_memory(stats).map(|(name, bytes)| (name.to_owned(), json!(bytes))),
+            named_memory(stats)
+                .map(|(name, bytes)| (name.to_owned(), json!(bytes)))
+                .into_iter()
+                .chain([("peak".to_owned(), json!(peak_memory()))]),
         ),
         "rays": {
             "primary": stats.rays.primary,
@@ -110,6 +114,16 @@ fn named_memory(stats: &RenderStats) -> [(&'static str, u64); 3] {
         ("records", memory.records),
         ("embree", memory.embree),
     ]
+}
+
+/// The most memory the program has had in its life, where the system tells (Linux does).
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(1024 * kilobytes)
 }
 
 fn megabytes(bytes: u64) -> f64 {

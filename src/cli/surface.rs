@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use curvetri::curved::{CurvedOptions, Primitives};
-use curvetri::mesh::{self, LoadOptions, Loaded, Mesh, NormalsPolicy};
+use curvetri::mesh::{self, LoadOptions, Loaded, NormalsPolicy};
 use curvetri::render::Form;
 use curvetri::surface::{BoundsKind, Solver, Surface};
 
@@ -181,12 +181,12 @@ impl SurfaceArgs {
     }
 
     /// Reads a mesh and tells what was odd about it.
-    pub fn load(&self, path: &Path, console: &Console) -> Result<Mesh> {
+    pub fn load(&self, path: &Path, console: &Console) -> Result<Loaded> {
         let loaded = self.read(path, console)?;
         for warning in &loaded.report.warnings {
             console.warn(&format!("{}: {warning}", path.display()));
         }
-        Ok(loaded.mesh)
+        Ok(loaded)
     }
 
     /// Reads a mesh, with what was odd about it.
@@ -199,8 +199,9 @@ impl SurfaceArgs {
                 NormalsChoice::Auto => NormalsPolicy::Auto,
             },
         };
-        let bar = console.spinner("reading");
-        let loaded = mesh::load(path, &options)?;
+        let bar = console.progress("reading", 1000);
+        let told = |share| bar.set_position((1000.0 * share) as u64);
+        let loaded = mesh::load_watched(path, &options, &told)?;
         bar.finish_and_clear();
         console.note(&format!(
             "{}: {} triangles, {} vertices",

@@ -92,7 +92,7 @@ pub fn run(args: &TraceArgs, console: &Console) -> Result<()> {
     let device = device(args.threads)?;
     on_threads(args.threads, || {
         let rays = RayTable::read(&args.rays)?;
-        let mesh = args.surface.load(&args.mesh, console)?;
+        let mesh = args.surface.load(&args.mesh, console)?.mesh;
         let output = OutputFile::create(&args.output)?;
         let bar = console.progress("tracing", rays.rows as u64);
         let results = args.trace(&device, mesh, form, &rays, &|done| bar.inc(done as u64))?;

@@ -1,8 +1,10 @@
 //! Values on the command line.
 
 use std::ops::RangeInclusive;
+use std::path::PathBuf;
 
-use curvetri::render::Crop;
+use clap::ValueEnum;
+use curvetri::render::{Crop, UpAxis};
 use glam::DVec3;
 
 /// Pixels of a side.
@@ -24,6 +26,35 @@ pub fn side(text: &str) -> Result<usize, String> {
             SIDE.start(),
             SIDE.end()
         )),
+    }
+}
+
+/// A picture's file, which is a PNG file.
+pub fn png(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("png"))
+    {
+        Ok(path)
+    } else {
+        Err(format!("{text} does not end in .png"))
+    }
+}
+
+/// Which axis points up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum UpChoice {
+    Y,
+    Z,
+}
+
+impl UpChoice {
+    pub fn axis(self) -> UpAxis {
+        match self {
+            Self::Y => UpAxis::Y,
+            Self::Z => UpAxis::Z,
+        }
     }
 }
 

@@ -37,6 +37,11 @@ impl Inspection {
             "the surface is open there; fill the holes if it is meant to be closed",
         );
         say(
+            self.t_junctions,
+            "Open sides with a vertex of others within them (T-junctions)",
+            "holes open there where the surface curves; cut the long triangle at that vertex",
+        );
+        say(
             sides.duplicate_triangles,
             "Triangles that lie where another does",
             "remove them unless both faces are meant",
@@ -199,6 +204,10 @@ mod tests {
                 "Sides with three triangles or more: 1;",
             ),
             ("f 2 2 4\n", "Triangles without area: 1;"),
+            (
+                "v 0.5 0 0\nf 5 1 4\n",
+                "Open sides with a vertex of others within them (T-junctions): 1; holes open",
+            ),
             ("", "The normals were made, with hard edges: 0;"),
             (
                 "l 1 2\n",

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::{CurvedMesh, CurvedOptions, Kinds, Spheres};
 use crate::embree::UserGeometry;
-use crate::mesh::{Bounds, LoadReport, Loaded, Mesh, TopologyCounts};
+use crate::mesh::{Bounds, LoadReport, Loaded, Mesh, Topology, TopologyCounts, t_junctions};
 use crate::surface::{Patch, PatchKind};
 
 /// Bytes of Embree's tree for each curved triangle: up to 109 with Embree 3.13.
@@ -41,6 +41,8 @@ pub struct Inspection {
     pub sides: SideLengths,
     /// How the triangles meet.
     pub topology: TopologyCounts,
+    /// Open sides with another open side's end within them.
+    pub t_junctions: u64,
     /// Triangles by kind.
     pub kinds: Kinds,
     /// Curved triangles by the sphere that bounds them, where spheres were asked for.
@@ -99,9 +101,13 @@ impl Inspection {
     /// Looks at a mesh as it was read, curved with these options.
     #[must_use]
     pub fn new(loaded: Loaded, options: &CurvedOptions) -> Inspection {
-        let Loaded { mesh, report } = loaded;
-        let sides = SideLengths::of(&mesh);
-        let curved = CurvedMesh::new(Arc::new(mesh), options);
+        let Loaded { mesh, report, .. } = loaded;
+        Inspection::of(report, &CurvedMesh::new(Arc::new(mesh), options))
+    }
+
+    /// Looks at a curved mesh, of which this was met while it was read.
+    #[must_use]
+    pub fn of(report: LoadReport, curved: &CurvedMesh) -> Inspection {
         let mesh = curved.mesh();
         let triangles = mesh.triangles().len() as u64;
         Inspection {
@@ -110,11 +116,15 @@ impl Inspection {
             vertices: mesh.positions().len() as u64,
             bounds: mesh.bounds(),
             origin: mesh.origin(),
-            sides,
+            sides: SideLengths::of(mesh),
             topology: *curved.topology(),
+            t_junctions: match curved.topology().boundary {
+                0 => 0,
+                _ => t_junctions(mesh, &Topology::new(mesh)),
+            },
             kinds: *curved.kinds(),
             spheres: *curved.spheres(),
-            heights: Heights::of(&curved),
+            heights: Heights::of(curved),
             memory: MemoryNeed {
                 mesh: mesh.memory() as u64,
                 records: curved.memory() as u64,

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::embree::Bounds;
 use crate::mesh::{Mesh, Topology, TopologyCounts};
-use crate::surface::{BoundsKind, Outline, Patch, PatchRecord, Solver, Surface, Vector};
+use crate::surface::{BoundsKind, Outline, Patch, PatchKind, PatchRecord, Solver, Surface, Vector};
 
 use clusters::Cluster;
 pub use counters::{Counters, counters};
@@ -136,6 +136,14 @@ impl CurvedMesh {
     /// How many triangles turned out to be what.
     pub fn kinds(&self) -> &Kinds {
         &self.kinds
+    }
+
+    /// What one triangle turned out to be.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub fn kind(&self, triangle: u32) -> PatchKind {
+        self.records[triangle as usize].kind()
     }
 
     /// How many triangles have which sphere, where spheres were asked for.

@@ -92,6 +92,17 @@ pub enum MeshError {
     },
 }
 
+/// Refuses more index values or vertices than a mesh may have.
+pub(super) fn check_sizes(indices: u64, vertices: u64) -> Result<(), MeshError> {
+    if indices > MAX_INDICES {
+        return Err(MeshError::TooManyIndices { indices });
+    }
+    if vertices > MAX_INDICES {
+        return Err(MeshError::TooManyVertices { vertices });
+    }
+    Ok(())
+}
+
 /// Why a mesh file could not be loaded.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -166,5 +177,26 @@ impl Fault {
 impl From<MeshError> for Fault {
     fn from(error: MeshError) -> Fault {
         Fault::Mesh(error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_than_two_to_the_31_are_refused_by_their_number() {
+        let most = 1 << 31;
+        assert_eq!(check_sizes(most, most), Ok(()));
+        let said = |indices, vertices| check_sizes(indices, vertices).unwrap_err().to_string();
+        assert_eq!(
+            said(most + 1, 0),
+            "2147483649 index values are more than the 2147483648 (2^31) a mesh may have; split \
+             the mesh"
+        );
+        assert_eq!(
+            said(0, 3 << 30),
+            "3221225472 vertices are more than the 2147483648 (2^31) a mesh may have; split the mesh"
+        );
     }
 }

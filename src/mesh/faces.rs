@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::MeshError;
-use super::error::MAX_INDICES;
+use super::error::check_sizes;
 use super::polygon::PolygonCutter;
 
 /// The corners of polygons one after the other. Keeps no sizes as long as all are triangles.
@@ -32,10 +32,7 @@ impl Faces {
             return Ok(());
         }
         self.indices += 3 * (polygon.len() as u64 - 2);
-        if self.indices > MAX_INDICES {
-            let indices = self.indices;
-            return Err(MeshError::TooManyIndices { indices });
-        }
+        check_sizes(self.indices, 0)?;
         if polygon.len() > 3 && self.arities.is_empty() {
             self.arities = vec![3; self.polygons as usize];
         }
@@ -47,21 +44,36 @@ impl Faces {
         Ok(())
     }
 
+    /// Index values that the triangles will have.
+    pub(super) fn indices(&self) -> u64 {
+        self.indices
+    }
+
+    /// The triangles, and the same of other numbers that the corners have; there may be none of
+    /// those. Every corner must be one of the positions.
+    pub(super) fn into_triangles_with(
+        self,
+        others: Vec<u32>,
+        positions: &[DVec3],
+    ) -> (Vec<[u32; 3]>, Vec<[u32; 3]>) {
+        let cut = cut(&self.arities, &self.corners, positions);
+        let triangles = |numbers: Vec<u32>| match &cut {
+            _ if numbers.is_empty() => Vec::new(),
+            Some(cut) => cut.iter().map(|t| t.map(|c| numbers[c as usize])).collect(),
+            None => numbers.as_chunks::<3>().0.to_vec(),
+        };
+        (triangles(self.corners), triangles(others))
+    }
+
     /// The triangles. Every corner must be one of the positions.
     pub(super) fn into_triangles(self, positions: &[DVec3]) -> Vec<[u32; 3]> {
-        match cut(&self.arities, &self.corners, positions) {
-            Some(cut) => cut
-                .iter()
-                .map(|t| t.map(|c| self.corners[c as usize]))
-                .collect(),
-            None => self.corners.as_chunks::<3>().0.to_vec(),
-        }
+        self.into_triangles_with(Vec::new(), positions).0
     }
 }
 
 /// The triangles of faces of the given numbers of corners, as numbers into the corners of all
 /// faces; `None` where all faces are triangles.
-pub(super) fn cut(arities: &[u32], corners: &[u32], positions: &[DVec3]) -> Option<Vec<[u32; 3]>> {
+fn cut(arities: &[u32], corners: &[u32], positions: &[DVec3]) -> Option<Vec<[u32; 3]>> {
     if arities.is_empty() {
         return None;
     }

@@ -15,7 +15,8 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
 use super::error::{Fault, MAX_INDICES};
 use super::gltf_buffers::Buffers;
-use super::{LoadReport, MeshError, NO_NORMAL, Parsed, RawMesh};
+use super::scenery::Scenery;
+use super::{LoadReport, MeshError, NO_NORMAL, Parsed, RawMesh, gltf_scenery};
 
 /// Extensions that say nothing of the surface's shape, or nothing that is not read.
 const HARMLESS: [&str; 10] = [
@@ -38,6 +39,7 @@ const MAX_FLATTENED: u64 = 50_000_000;
 struct Model {
     parts: Vec<RawMesh>,
     instances: Vec<Instance>,
+    scenery: Scenery,
     report: LoadReport,
 }
 
@@ -87,6 +89,7 @@ fn read_model(root: &Root, binary: Option<Cow<'_, [u8]>>, path: &Path) -> Result
     let mut model = Model {
         parts: Vec::new(),
         instances: Vec::new(),
+        scenery: gltf_scenery::read(root, &nodes, &mut report)?,
         report,
     };
     let mut part_of: HashMap<Shape, usize> = HashMap::new();
@@ -411,8 +414,10 @@ fn flatten(model: Model) -> Result<Parsed, Fault> {
         append_instance(part, instance.to_scene, &mut raw, &mut normal_corners);
     }
     raw.normal_corners = (!raw.normals.is_empty()).then_some(normal_corners);
-    let report = model.report;
-    Ok(Parsed { raw, report })
+    Ok(Parsed {
+        scenery: model.scenery,
+        ..Parsed::new(raw, model.report)
+    })
 }
 
 fn append_instance(

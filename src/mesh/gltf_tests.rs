@@ -360,6 +360,7 @@ fn copies_that_add_up_to_too_much_are_refused() {
     };
     let flat = |copies: usize| {
         flatten(Model {
+            scenery: Scenery::default(),
             parts: vec![part.clone()],
             instances: (0..copies).map(|_| instance()).collect(),
             report: LoadReport::default(),
@@ -405,4 +406,46 @@ proptest! {
     fn damaged_files_are_refused_or_read(file in mangled(files())) {
         check(file)?;
     }
+}
+
+#[test]
+fn cameras_and_the_sun_stand_where_their_nodes_put_them() {
+    // A quarter turn around y: what looked along -z looks along -x.
+    let turn = "\"rotation\":[0,0.7071068,0,0.7071068]";
+    let nodes = format!(
+        "{{\"mesh\":0}},{{\"name\":\"side\",\"camera\":0,\"translation\":[5,0,0],{turn}}},\
+         {{\"extensions\":{{\"KHR_lights_punctual\":{{\"light\":0}}}},{turn}}},\
+         {{\"extensions\":{{\"KHR_lights_punctual\":{{\"light\":1}}}}}},{{\"camera\":1}}"
+    );
+    let text = json(&data(), ACCESSORS, &primitive(3), &nodes, true);
+    let text = text.replacen(
+        '{',
+        "{\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.7853982,\"znear\":0.1}},\
+         {\"type\":\"orthographic\",\"orthographic\":{\"xmag\":1,\"ymag\":1,\"zfar\":9,\"znear\":0}}],\
+         \"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":\
+         {\"lights\":[{\"type\":\"directional\"},{\"type\":\"point\"}]}},",
+        1,
+    );
+    let loaded = load_text(&text).unwrap();
+    let [camera] = &loaded.scenery.cameras[..] else {
+        panic!("{:?}", loaded.scenery);
+    };
+    assert_eq!((camera.name.as_str(), camera.eye), ("side", 5.0 * DVec3::X));
+    assert!(camera.forward.distance(DVec3::NEG_X) < 1e-6);
+    assert!(camera.up.distance(DVec3::Y) < 1e-6);
+    assert!((camera.fov_degrees - 45.0).abs() < 1e-5);
+    assert!(loaded.scenery.suns[0].distance(DVec3::X) < 1e-6);
+    assert_eq!(loaded.scenery.suns.len(), 1);
+    assert_eq!(
+        loaded.report.warnings,
+        [
+            "1 cameras are not perspective ones, or degenerate, and are not used",
+            "1 point or spot lights are not used; only directional ones are"
+        ]
+    );
+    let absent = text.replace("\"light\":1", "\"light\":7");
+    assert_eq!(
+        load_text(&absent).unwrap_err(),
+        "x.gltf: there is no light 7"
+    );
 }

@@ -13,12 +13,14 @@ mod fan;
 mod format;
 mod gltf;
 mod gltf_buffers;
+mod gltf_scenery;
 mod input;
+mod junctions;
 #[cfg(test)]
 mod mangle;
 mod normals;
 mod obj;
-mod obj_clean;
+mod obj_chunk;
 mod obj_text;
 mod obj_write;
 mod off;
@@ -26,6 +28,7 @@ mod ply;
 mod ply_body;
 mod polygon;
 mod raw;
+mod scenery;
 mod snap;
 mod stl;
 mod text;
@@ -38,9 +41,11 @@ use std::path::Path;
 use format::Format;
 
 pub use error::{LoadError, MAX_COORDINATE, MAX_INDICES, MeshError};
+pub use junctions::t_junctions;
 pub use normals::{NormalsPolicy, NormalsReport};
 pub use obj_write::{obj_text, write_obj};
 pub use raw::{NO_NORMAL, RawMesh};
+pub use scenery::{FileCamera, Scenery};
 pub use topology::{NO_TRIANGLE, SideKind, Topology, TopologyCounts};
 pub use triangle_mesh::{Bounds, Mesh};
 
@@ -68,6 +73,8 @@ impl Default for LoadOptions {
 pub struct Loaded {
     /// The mesh.
     pub mesh: Mesh,
+    /// Cameras and lights beside it.
+    pub scenery: Scenery,
     /// What was met.
     pub report: LoadReport,
 }
@@ -87,11 +94,29 @@ pub struct LoadReport {
     pub warnings: Vec<String>,
 }
 
+/// Told now and then, from any thread, what share of the work is done, 0 to 1.
+pub type Progress<'a> = &'a (dyn Fn(f32) + Sync);
+
+/// The share of the work that reading a file's text or numbers is; the rest makes a mesh of them.
+const READING: f32 = 0.6;
+
 /// What a reader makes of a file.
 #[derive(Debug)]
 struct Parsed {
     raw: RawMesh,
+    scenery: Scenery,
     report: LoadReport,
+}
+
+impl Parsed {
+    /// Nothing but a mesh.
+    fn new(raw: RawMesh, report: LoadReport) -> Parsed {
+        Parsed {
+            raw,
+            scenery: Scenery::default(),
+            report,
+        }
+    }
 }
 
 /// Reads a mesh file, or standard input where the path is `-`.
@@ -103,15 +128,28 @@ struct Parsed {
 ///
 /// [`LoadError`], whose message names the file, the line or element, and what is wrong.
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, LoadError> {
+    load_watched(path, options, &|_| {})
+}
+
+/// The same as [`load`], telling how far it is.
+///
+/// # Errors
+///
+/// As [`load`].
+pub fn load_watched(
+    path: impl AsRef<Path>,
+    options: &LoadOptions,
+    progress: Progress<'_>,
+) -> Result<Loaded, LoadError> {
     let path = path.as_ref();
     let bytes = input::read(path).map_err(|source| LoadError::Read {
         path: path.into(),
         source,
     })?;
     if input::is_standard_input(path) {
-        return load_bytes(bytes, "standard input", options);
+        return load_bytes_watched(bytes, "standard input".as_ref(), options, progress);
     }
-    load_bytes(bytes, path, options)
+    load_bytes_watched(bytes, path, options, progress)
 }
 
 /// Reads a mesh from the bytes of a file. The path is for messages, and for files that the mesh
@@ -125,19 +163,38 @@ pub fn load_bytes(
     path: impl AsRef<Path>,
     options: &LoadOptions,
 ) -> Result<Loaded, LoadError> {
-    let path = path.as_ref();
-    let Parsed { raw, mut report } = parse(bytes, path)?;
+    load_bytes_watched(bytes, path.as_ref(), options, &|_| {})
+}
+
+fn load_bytes_watched(
+    bytes: Vec<u8>,
+    path: &Path,
+    options: &LoadOptions,
+    progress: Progress<'_>,
+) -> Result<Loaded, LoadError> {
+    let parsed = parse(bytes, path, &|share| progress(READING * share))?;
+    let Parsed {
+        raw,
+        scenery,
+        mut report,
+    } = parsed;
+    progress(READING);
     let (mesh, made) = raw.into_mesh(options).map_err(|source| LoadError::Mesh {
         path: path.into(),
         source,
     })?;
+    progress(1.0);
     report.normals = made.normals;
     report.snapped = made.snapped;
     report.warn();
-    Ok(Loaded { mesh, report })
+    Ok(Loaded {
+        mesh,
+        scenery,
+        report,
+    })
 }
 
-fn parse(bytes: Vec<u8>, path: &Path) -> Result<Parsed, LoadError> {
+fn parse(bytes: Vec<u8>, path: &Path, progress: Progress<'_>) -> Result<Parsed, LoadError> {
     let mut bytes = input::unpack(bytes, path)?;
     if text::is_utf16(&bytes) {
         bytes = text::decode(bytes).into_bytes();
@@ -149,7 +206,7 @@ fn parse(bytes: Vec<u8>, path: &Path) -> Result<Parsed, LoadError> {
         what: what.into(),
     })?;
     let parsed = match format {
-        Format::Obj => obj::read(&text::decode(bytes), path),
+        Format::Obj => obj::read(&text::decode(bytes), path, progress),
         Format::Ply => ply::read(bytes),
         Format::StlText => stl::read_text(&text::decode(bytes)),
         Format::StlBinary => stl::read_binary(&bytes),

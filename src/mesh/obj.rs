@@ -1,50 +1,109 @@
-//! Reads OBJ files through tobj.
+//! Reads OBJ files, in parallel.
 //!
-//! tobj is fed only what a surface needs, one line at a time: vertices, normals and faces, with
-//! continuations joined, comments and colours cut off and each number checked. So an error has its
-//! line, and lines that tobj would stumble over (materials, texture coordinates) or take for
-//! surfaces (polylines) never reach it. All groups, objects and materials are one mesh in file
-//! order.
+//! The text is cut at ends of lines into chunks. First the vertices and normals of each are
+//! counted, because indices may count back from where they stand; then each is read on its own,
+//! right into its share of the arrays. Only what makes a surface is read: vertices, normals and
+//! faces. All groups, objects and materials are one mesh in file order.
 
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
+use rayon::prelude::*;
 
-use super::error::Fault;
-use super::faces::cut;
-use super::obj_clean::Cleaner;
-use super::{LoadReport, NO_NORMAL, Parsed, RawMesh};
+use super::error::{Fault, check_sizes};
+use super::obj_chunk::{Chunk, Count, Libraries, Part};
+use super::obj_text::{Lines, chunks, line_end};
+use super::{LoadReport, Parsed, Progress, RawMesh};
+
+/// How long a chunk is, in bytes: short enough that what is half done takes little memory.
+const CHUNK: usize = 1 << 22;
 
 /// Reads the text of an OBJ file; `path` is for material libraries beside it.
-pub(super) fn read(text: &str, path: &Path) -> Result<Parsed, Fault> {
-    let mut cleaner = Cleaner::new(text);
-    let loaded = tobj::load_obj_buf(&mut cleaner, &tobj::LoadOptions::default(), |_| {
-        unreachable!("no material library reaches tobj")
-    });
-    let (models, _) = loaded.map_err(|error| {
-        let fault = cleaner.fault.take();
-        // What tobj finds wrong has been let through by mistake, but it still has its line.
-        fault.unwrap_or_else(|| Fault::Line(cleaner.line_number, error.to_string()))
-    })?;
-    let mut report = LoadReport {
-        polygons: cleaner.polygons,
-        skipped_elements: cleaner.skipped,
-        ..LoadReport::default()
-    };
-    warn(&mut report, &cleaner.libraries, path);
-    if cleaner.more_libraries > 0 {
-        report.warnings.push(format!(
-            "{} lines name further material libraries, which were not looked for",
-            cleaner.more_libraries
-        ));
-    }
-    let mesh = models.into_iter().next().map(|m| m.mesh);
-    let raw = into_raw(mesh.unwrap_or_default());
-    Ok(Parsed { raw, report })
+pub(super) fn read(text: &str, path: &Path, progress: Progress<'_>) -> Result<Parsed, Fault> {
+    read_by(text, path, progress, CHUNK)
 }
 
-fn warn(report: &mut LoadReport, libraries: &[String], path: &Path) {
-    for library in libraries {
+fn read_by(text: &str, path: &Path, progress: Progress<'_>, size: usize) -> Result<Parsed, Fault> {
+    let end = line_end(text);
+    let texts = chunks(text, end, size);
+    let counts: Vec<Count> = texts.par_iter().map(|text| Count::of(text, end)).collect();
+    let total = counts.iter().copied().fold(Count::default(), Count::plus);
+    check_sizes(0, total.vertices.max(total.normals))?;
+    let mut raw = RawMesh {
+        positions: vec![DVec3::ZERO; total.vertices as usize],
+        normals: vec![DVec3::ZERO; total.normals as usize],
+        ..RawMesh::default()
+    };
+    let (mut positions, mut normals) = (&mut raw.positions[..], &mut raw.normals[..]);
+    let mut so_far = Count::default();
+    let mut jobs = Vec::with_capacity(texts.len());
+    for (text, count) in texts.iter().zip(counts) {
+        let own_positions = split_off(&mut positions, count.vertices);
+        let own_normals = split_off(&mut normals, count.normals);
+        jobs.push(Chunk {
+            lines: Lines::new(text, end, so_far.lines),
+            so_far,
+            total,
+            positions: own_positions,
+            normals: own_normals,
+        });
+        so_far = so_far.plus(count);
+    }
+    let (done, whole) = (AtomicUsize::new(0), text.len() as f32);
+    let parts: Vec<Result<Part, Fault>> = jobs
+        .into_par_iter()
+        .zip(&texts)
+        .map(|(job, text)| {
+            let part = job.read();
+            let done = done.fetch_add(text.len(), Ordering::Relaxed) + text.len();
+            progress(done as f32 / whole);
+            part
+        })
+        .collect();
+    // The first fault in the file's order.
+    let parts: Vec<Part> = parts.into_iter().collect::<Result<_, _>>()?;
+    join(raw, parts, path)
+}
+
+fn split_off<'a>(rest: &mut &'a mut [DVec3], count: u64) -> &'a mut [DVec3] {
+    let (own, left) = std::mem::take(rest).split_at_mut(count as usize);
+    *rest = left;
+    own
+}
+
+/// Cuts polygons and puts the parts' triangles behind each other.
+fn join(mut raw: RawMesh, parts: Vec<Part>, path: &Path) -> Result<Parsed, Fault> {
+    let mut report = LoadReport::default();
+    let mut libraries = Libraries::default();
+    let mut indices = 0;
+    for part in &parts {
+        report.polygons += part.faces.polygons;
+        report.skipped_elements += part.faces.skipped + part.skipped;
+        indices += part.faces.indices();
+        libraries.append(&part.libraries);
+    }
+    check_sizes(indices, 0)?;
+    warn(&mut report, &libraries, path);
+    let has_normals = !raw.normals.is_empty();
+    raw.corners.reserve_exact(indices as usize / 3);
+    let mut normal_corners = Vec::new();
+    if has_normals {
+        normal_corners.reserve_exact(indices as usize / 3);
+    }
+    for part in parts {
+        let triangles = part
+            .faces
+            .into_triangles_with(part.normal_corners, &raw.positions);
+        raw.corners.extend(triangles.0);
+        normal_corners.extend(triangles.1);
+    }
+    raw.normal_corners = has_normals.then_some(normal_corners);
+    Ok(Parsed::new(raw, report))
+}
+
+fn warn(report: &mut LoadReport, libraries: &Libraries, path: &Path) {
+    for library in &libraries.names {
         let beside = path.with_file_name("").join(library.replace('\\', "/"));
         if !beside.is_file() {
             report.warnings.push(format!(
@@ -52,37 +111,12 @@ fn warn(report: &mut LoadReport, libraries: &[String], path: &Path) {
             ));
         }
     }
-}
-
-/// Sorts tobj's arrays and cuts polygons.
-fn into_raw(mesh: tobj::Mesh) -> RawMesh {
-    let positions = as_vectors(&mesh.positions);
-    let normals = as_vectors(&mesh.normals);
-    let cut = cut(&mesh.face_arities, &mesh.indices, &positions);
-    let triangles = |indices: Vec<u32>| match &cut {
-        Some(cut) => cut.iter().map(|t| t.map(|c| indices[c as usize])).collect(),
-        None => indices.as_chunks::<3>().0.to_vec(),
-    };
-    let corners = triangles(mesh.indices);
-    let normal_corners = (!normals.is_empty()).then(|| {
-        let mut corners = triangles(mesh.normal_indices);
-        for index in corners.as_flattened_mut() {
-            if normals[*index as usize].is_nan() {
-                *index = NO_NORMAL;
-            }
-        }
-        corners
-    });
-    RawMesh {
-        positions,
-        corners,
-        normals,
-        normal_corners,
+    if libraries.more > 0 {
+        report.warnings.push(format!(
+            "{} lines name further material libraries, which were not looked for",
+            libraries.more
+        ));
     }
-}
-
-fn as_vectors(flat: &[f64]) -> Vec<DVec3> {
-    flat.as_chunks::<3>().0.iter().map(|&p| p.into()).collect()
 }
 
 #[cfg(test)]

@@ -1,8 +1,12 @@
 use glam::Vec3;
 use proptest::prelude::*;
 
+use super::super::text::decode;
 use super::*;
-use crate::mesh::{LoadError, LoadOptions, Loaded, Mesh, NO_TRIANGLE, Topology, load_bytes};
+use crate::bodies;
+use crate::mesh::{
+    LoadError, LoadOptions, Loaded, Mesh, NO_TRIANGLE, Topology, load_bytes, obj_text,
+};
 
 fn read_text(text: &str) -> Result<Loaded, LoadError> {
     load_bytes(
@@ -179,7 +183,7 @@ fn a_homogeneous_coordinate_divides() {
     assert_eq!(corners(&loaded), [[A, B, C]]);
     assert_eq!(
         error_of("v 0 0 0 0\nf 1 1 1\n"),
-        "models/test.obj:1: scaling (w) by zero"
+        "models/test.obj:1: vertex 1: its fourth coordinate, which divides, is zero"
     );
 }
 
@@ -269,9 +273,56 @@ fn bad_indices_are_refused_with_their_line() {
     for (face, what) in cases {
         assert_eq!(
             error_of(&square(&format!("f 1 2 3\n{face}\n"))),
-            format!("models/test.obj:6: face 2: corner {what}")
+            format!("models/test.obj:6: corner {what}")
         );
     }
+}
+
+/// What is read of a text in chunks of this size.
+fn read_in(text: &str, size: usize) -> Result<(RawMesh, LoadReport), Fault> {
+    let parsed = read_by(text, Path::new("x.obj"), &|_| {}, size)?;
+    Ok((parsed.raw, parsed.report))
+}
+
+#[test]
+fn a_well_known_reader_reads_the_same() {
+    for mesh in [bodies::teapot(3), bodies::capped_cylinder(7, 1.0)] {
+        let text = decode(obj_text(&mesh).into_bytes());
+        let options = tobj::LoadOptions::default();
+        let none = |_: &Path| Err(tobj::LoadError::OpenFileFailed);
+        let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, none).unwrap();
+        let theirs = &models[0].mesh;
+        let (ours, _) = read_in(&text, 1000).unwrap();
+        assert_eq!(models.len(), 1);
+        let vector = |flat: &[f64], i: u32| DVec3::from_slice(&flat[3 * i as usize..]);
+        let ours_normals = ours.normal_corners.unwrap();
+        assert_eq!(ours.corners.len() * 3, theirs.indices.len());
+        for (corner, (&p, &n)) in (0..).zip(theirs.indices.iter().zip(&theirs.normal_indices)) {
+            let own_p = ours.corners.as_flattened()[corner] as usize;
+            let own_n = ours_normals.as_flattened()[corner] as usize;
+            assert_eq!(ours.positions[own_p], vector(&theirs.positions, p));
+            assert_eq!(ours.normals[own_n], vector(&theirs.normals, n));
+        }
+    }
+}
+
+#[test]
+fn the_first_fault_of_the_file_is_told() {
+    let text = format!("{SQUARE}f 1 2 x\nv 0 0\n");
+    for size in [1, 20, 1000] {
+        let fault = read_in(&text, size).unwrap_err();
+        assert!(matches!(fault, Fault::Line(5, _)), "{fault:?}");
+    }
+}
+
+#[test]
+fn progress_ends_at_the_whole() {
+    let told = std::sync::Mutex::new(Vec::new());
+    let progress = |share| told.lock().unwrap().push(share);
+    read_by(&square("f 1 2 3\n"), Path::new("x.obj"), &progress, 1).unwrap();
+    let mut told = told.into_inner().unwrap();
+    told.sort_by(f32::total_cmp);
+    assert_eq!((told.len(), told[4]), (5, 1.0));
 }
 
 /// Files of plausible and implausible words.
@@ -331,6 +382,11 @@ fn check_invariants(mesh: &Mesh) {
 }
 
 proptest! {
+    #[test]
+    fn chunks_make_no_difference(text in word_soup(), size in 1usize..80) {
+        prop_assert_eq!(read_in(&text, size), read_in(&text, CHUNK));
+    }
+
     #[test]
     fn no_text_makes_the_reader_panic(text in word_soup()) {
         match read_text(&text) {

@@ -21,26 +21,56 @@ impl<'a> Line<'a> {
 }
 
 /// The logical lines of a text, without blank ones and comments.
-#[derive(Clone)]
 pub(super) struct Lines<'a> {
     left: &'a str,
     number: usize,
     line_end: u8,
 }
 
-impl<'a> Lines<'a> {
-    pub(super) fn new(text: &'a str) -> Lines<'a> {
-        // Line feeds end lines, or carriage returns where there is no line feed at all.
-        let line_end = if text.as_bytes().contains(&b'\n') {
-            b'\n'
-        } else {
-            b'\r'
+/// What ends a text's lines: line feeds, or carriage returns where there is no line feed at all.
+pub(super) fn line_end(text: &str) -> u8 {
+    if text.as_bytes().contains(&b'\n') {
+        b'\n'
+    } else {
+        b'\r'
+    }
+}
+
+/// Cuts a text into chunks of at least so many bytes (the last may be shorter), after lines that no
+/// other continues.
+pub(super) fn chunks(text: &str, line_end: u8, size: usize) -> Vec<&str> {
+    let mut chunks = Vec::new();
+    let mut left = text;
+    while left.len() > size {
+        let bytes = left.as_bytes();
+        let mut ends = (size..bytes.len()).filter(|&at| bytes[at] == line_end);
+        let Some(end) = ends.find(|&at| !bytes[..at].trim_ascii_end().ends_with(b"\\")) else {
+            break;
         };
+        // Line ends are characters of one byte.
+        let (chunk, rest) = left.split_at(end + 1);
+        chunks.push(chunk);
+        left = rest;
+    }
+    if !left.is_empty() {
+        chunks.push(left);
+    }
+    chunks
+}
+
+impl<'a> Lines<'a> {
+    /// The lines of a text or a chunk of it, before which there are so many.
+    pub(super) fn new(text: &'a str, line_end: u8, before: usize) -> Lines<'a> {
         Lines {
             left: text,
-            number: 0,
+            number: before,
             line_end,
         }
+    }
+
+    /// The number of the last physical line there has been.
+    pub(super) fn number(&self) -> usize {
+        self.number
     }
 
     /// The next physical line, without its end.
@@ -140,7 +170,7 @@ mod tests {
     use super::*;
 
     fn lines(text: &str) -> Vec<(usize, &str, Vec<&str>)> {
-        Lines::new(text)
+        Lines::new(text, line_end(text), 0)
             .map(|l| (l.number, l.keyword, l.words().collect()))
             .collect()
     }
@@ -156,6 +186,29 @@ mod tests {
                 (9, "v", vec!["7"]),
             ]
         );
+    }
+
+    #[test]
+    fn chunks_are_whole_lines_with_what_continues_them() {
+        let text = "v 1 2 \\\n3\nv 4\n\nf 1 \\ \r\n2\nend";
+        for size in 0..text.len() + 2 {
+            let parts = chunks(text, b'\n', size);
+            assert_eq!(parts.concat(), text);
+            let mut before = 0;
+            let mut all = Vec::new();
+            for part in &parts {
+                let mut of_part = Lines::new(part, b'\n', before);
+                all.extend(
+                    of_part
+                        .by_ref()
+                        .map(|l| (l.number, l.keyword, l.words().collect())),
+                );
+                before = of_part.number();
+            }
+            assert_eq!(all, lines(text), "{size}");
+        }
+        assert_eq!(chunks(text, b'\n', 0).len(), 5);
+        assert_eq!(chunks("", b'\n', 0), [] as [&str; 0]);
     }
 
     #[test]

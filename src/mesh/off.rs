@@ -68,7 +68,7 @@ pub(super) fn read(text: &str) -> Result<Parsed, Fault> {
     };
     raw.corners = faces.into_triangles(&raw.positions);
     raw.normal_corners = vertices.normals.then(|| raw.corners.clone());
-    Ok(Parsed { raw, report })
+    Ok(Parsed::new(raw, report))
 }
 
 /// The keyword and the numbers of vertices and faces, which the keyword's line may hold as well.

@@ -194,7 +194,7 @@ fn read_body(header: &Header, body: &mut impl Body) -> Result<Parsed, Fault> {
     let mut raw = build.raw;
     raw.corners = build.faces.into_triangles(&raw.positions);
     raw.normal_corners = has_normals.then(|| raw.corners.clone());
-    Ok(Parsed { raw, report })
+    Ok(Parsed::new(raw, report))
 }
 
 impl Build {

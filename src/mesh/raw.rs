@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::error::{MAX_COORDINATE, MAX_INDICES};
+use super::error::{MAX_COORDINATE, check_sizes};
 use super::normals;
 use super::snap::snap;
 use super::weld::weld;
@@ -77,13 +77,7 @@ impl RawMesh {
         if indices == 0 {
             return Err(MeshError::Empty);
         }
-        if indices > MAX_INDICES {
-            return Err(MeshError::TooManyIndices { indices });
-        }
-        let vertices = self.positions.len().max(self.normals.len()) as u64;
-        if vertices > MAX_INDICES {
-            return Err(MeshError::TooManyVertices { vertices });
-        }
+        check_sizes(indices, self.positions.len().max(self.normals.len()) as u64)?;
         for (vertex, p) in self.positions.iter().enumerate() {
             let DVec3 { x, y, z } = *p;
             if !p.is_finite() {
@@ -180,16 +174,6 @@ mod tests {
         };
         let error = raw.into_mesh(&LoadOptions::default()).unwrap_err();
         assert_eq!(error.to_string(), "0 normals do not match 1 triangles");
-    }
-
-    #[test]
-    fn too_many_indices_are_refused_by_their_number() {
-        let error = MeshError::TooManyIndices { indices: 3 << 30 };
-        assert_eq!(
-            error.to_string(),
-            "3221225472 index values are more than the 2147483648 (2^31) a mesh may have; \
-             split the mesh"
-        );
     }
 
     #[test]

@@ -65,7 +65,7 @@ impl Facets {
             warnings: self.warnings,
             ..LoadReport::default()
         };
-        Ok(Parsed { raw, report })
+        Ok(Parsed::new(raw, report))
     }
 }
 

@@ -73,6 +73,13 @@ impl Film {
         &self.pixels
     }
 
+    /// Multiplies each pixel's light by a colour, by its place in [`pixels`](Self::pixels).
+    pub fn tint(&mut self, colour: impl Fn(usize) -> Vec3) {
+        for (place, pixel) in self.pixels.iter_mut().enumerate() {
+            *pixel *= colour(place).extend(1.0);
+        }
+    }
+
     /// Copies a square with this many pixels a side to this place in the picture; what lies beyond
     /// the film's edges is left out.
     pub(super) fn paste(&mut self, corner: [usize; 2], side: usize, pixels: &[Vec4]) {

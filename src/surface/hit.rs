@@ -1,9 +1,11 @@
 //! Where a ray first meets a curved triangle.
 
+use std::cell::Cell;
+
 use super::finish::{self, MAX_PARTS, Samples};
 use super::ita::{self, Root};
 use super::patch::{Patch, PatchKind, Rule, next};
-use super::ray::{Ray, Segment};
+use super::ray::{self, Ray, Segment};
 use super::real::{Mask, Real, Scalar, inlined};
 use super::vector::Vector;
 
@@ -18,6 +20,17 @@ const HIGH_SLAB: f64 = 0.4;
 const BEYOND: f64 = 1e-5;
 /// How far from zero F may be by rounding alone: as near as a root need be found.
 const NOISE_EPSILONS: f64 = 2.0;
+
+/// Equal steps along a segment.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Steps<V> {
+    /// Where the first part begins, in the segment's parameter.
+    pub start: V,
+    /// Width of a part.
+    pub part: V,
+    /// How many there are, up to [`MAX_PARTS`].
+    pub parts: usize,
+}
 
 /// How the root along a ray is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,14 +117,14 @@ impl<S: Scalar> Patch<S> {
         self.intersect_sampled(segment, ray, solver, |_, _| None)
     }
 
-    /// The same with a function that may know F at the ends of so many parts of a segment.
+    /// The same with a function that may know F at equal steps along a segment.
     #[inline(always)]
     pub(super) fn intersect_sampled<V: Real<Scalar = S>>(
         &self,
         segment: &Segment<V>,
         ray: &Ray<V>,
         solver: Solver,
-        sampler: impl Fn(&Segment<V>, usize) -> Option<Samples<V>>,
+        sampler: impl Fn(&Segment<V>, Steps<V>) -> Option<Samples<V>>,
     ) -> Hit<V> {
         if segment.is_empty() {
             return Hit::none(ray.tnear);
@@ -130,11 +143,18 @@ impl<S: Scalar> Patch<S> {
     fn plane_hit<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Hit<V> {
         let at = segment.plane_crossing();
         let inside = at.constant(0.0).at_most(at) & at.at_most(segment.length);
-        let ([u, v], moved) = self.kept_inside(segment.projection(at));
-        let found = segment.alive & inside & moved.at_most(segment.stray_room);
+        let b = segment.projection(at);
+        let ([u, v], moved) = self.kept_inside(b);
+        let (mut t, mut beside) = (segment.start + at, moved);
+        if ray::is_thin(self) {
+            // A ray at a grazing angle that was moved onto a side passes it elsewhere.
+            let [later, off] = segment.passing(self, [u - b[1], v - b[2]]);
+            (t, beside) = (t + later, off);
+        }
+        let found = segment.alive & inside & beside.at_most(segment.stray_room);
         Hit {
             found,
-            t: segment.start + at,
+            t,
             u,
             v,
             evaluations: 0,
@@ -146,7 +166,7 @@ impl<S: Scalar> Patch<S> {
         &self,
         mut segment: Segment<V>,
         solver: Solver,
-        sampler: impl Fn(&Segment<V>, usize) -> Option<Samples<V>>,
+        sampler: impl Fn(&Segment<V>, Steps<V>) -> Option<Samples<V>>,
     ) -> Hit<V> {
         let mut hit = Hit::none(segment.start);
         for _ in 0..MAX_ROOTS {
@@ -196,50 +216,61 @@ impl<S: Scalar> Patch<S> {
         &self,
         segment: &Segment<V>,
         solver: Solver,
-        sampler: &impl Fn(&Segment<V>, usize) -> Option<Samples<V>>,
+        sampler: &impl Fn(&Segment<V>, Steps<V>) -> Option<Samples<V>>,
         evaluations: &mut u32,
     ) -> Root<V> {
-        let parts = match solver {
-            // Where the slab is high a ray may stay in it long before it meets the surface, and
-            // graze it between samples.
-            Solver::Finish { parts } => {
-                let high = S::from_f64(HIGH_SLAB) < self.slab[1] - self.slab[0];
-                let parts = if high { 2 * parts } else { parts };
-                (parts as usize).clamp(2, MAX_PARTS)
-            }
-            Solver::Ita { .. } => 0,
-        };
-        let samples = if parts == 0 {
-            None
-        } else {
-            sampler(segment, parts)
-        };
-        if samples.is_some() {
-            *evaluations += parts as u32 + 1;
-        }
+        let count = Cell::new(*evaluations);
         let f = inlined(
             #[inline(always)]
             |at: V, lanes: V::Mask| {
-                *evaluations += lanes.count();
+                count.set(count.get() + lanes.count());
                 at.apart(
                     #[inline(always)]
                     || self.clearance(segment, at),
                 )
             },
         );
-        match solver {
+        let (length, alive) = (segment.length, segment.alive);
+        let root = match solver {
             Solver::Ita { bits, step } => {
-                ita::first_root(f, segment.length, segment.alive, bits, step)
+                let parts = 1 << step;
+                let steps = inlined(
+                    #[inline(always)]
+                    |start: V, part: V| {
+                        let few = parts <= MAX_PARTS;
+                        let samples = few.then(|| sampler(segment, Steps { start, part, parts }));
+                        // The ends are known.
+                        let new = if few { parts as u32 - 1 } else { 0 };
+                        samples.flatten().inspect(|_| count.set(count.get() + new))
+                    },
+                );
+                ita::first_root(f, steps, length, alive, bits, step)
             }
-            Solver::Finish { .. } => {
-                let noise = segment
-                    .length
-                    .splat(S::EPSILON * S::from_f64(NOISE_EPSILONS));
+            Solver::Finish { parts } => {
+                let parts = self.parts(parts);
+                let (start, share) = (length.constant(0.0), 1.0 / parts as f64);
+                let part = length * length.constant(share);
+                let samples = sampler(segment, Steps { start, part, parts });
+                if samples.is_some() {
+                    count.set(count.get() + parts as u32 + 1);
+                }
+                let noise = length.splat(S::EPSILON * S::from_f64(NOISE_EPSILONS));
                 let close = [segment.tolerance(), noise];
-                let alive = segment.alive;
-                finish::first_root(f, segment.length, close, alive, parts, samples.as_ref())
+                finish::first_root(f, length, close, alive, parts, samples.as_ref())
             }
-        }
+        };
+        *evaluations = count.get();
+        root
+    }
+
+    /// How many parts to sample where so many are asked for.
+    #[inline(always)]
+    fn parts(&self, asked: u32) -> usize {
+        // Where the slab is high a ray may stay in it long before it meets the surface, and graze it
+        // between samples.
+        let high = S::from_f64(HIGH_SLAB) < self.slab[1] - self.slab[0];
+        let parts = if high { 2 * asked } else { asked };
+        (parts as usize).clamp(2, MAX_PARTS)
     }
 }
 

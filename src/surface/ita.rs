@@ -1,6 +1,7 @@
 //! The paper's iterative algorithm (ITA, section 4.4): the first root of a function along a ray
 //! segment, a fixed number of binary digits of it.
 
+use super::finish::Samples;
 use super::real::Real;
 
 /// Where a function changes sign first.
@@ -31,9 +32,13 @@ pub(super) fn differ<V: Real>(a: V, b: V) -> V::Mask {
 /// of sign (the paper's case 2); where there is none, next to the least absolute value, on the
 /// side where the neighbour's is less (case 1), which finds the two close roots of a grazing ray.
 /// No change of sign after the last step is a miss.
+///
+/// `sampler` may know the function at the ends of all parts of a step, of its start and the width of a
+/// part; they are then not asked for one by one.
 #[inline(always)]
 pub(super) fn first_root<V: Real>(
     mut f: impl FnMut(V, V::Mask) -> V,
+    sampler: impl Fn(V, V) -> Option<Samples<V>>,
     length: V,
     alive: V::Mask,
     bits: u32,
@@ -46,10 +51,15 @@ pub(super) fn first_root<V: Real>(
     let mut found = length.mask(false);
     for _ in 0..bits.div_ceil(step) {
         let part = width * share;
+        let samples = sampler(start, part);
         let mut scan = Scan::new(start, left);
         for n in 1..=parts {
             let at = start + part * part.constant(f64::from(n));
-            let value = if n == parts { right } else { f(at, alive) };
+            let value = match &samples {
+                _ if n == parts => right,
+                Some(samples) => samples[n as usize],
+                None => f(at, alive),
+            };
             scan.next(at, value);
         }
         (start, left, right, found) = scan.chosen();
@@ -133,7 +143,7 @@ mod tests {
     use super::*;
 
     fn solve(f: impl Fn(f64) -> f64, step: u32) -> Root<f64> {
-        first_root(|at, _| f(at), 1.0, true, 24, step)
+        first_root(|at, _| f(at), |_, _| None, 1.0, true, 24, step)
     }
 
     #[test]

@@ -4,7 +4,7 @@
 use fearless_simd::{Level, dispatch, prelude::*};
 
 use super::finish::{MAX_PARTS, Samples};
-use super::hit::{Hit, Solver};
+use super::hit::{Hit, Solver, Steps};
 use super::lanes::{LaneMask, Lanes};
 use super::outline::Outline;
 use super::patch::Patch;
@@ -128,29 +128,33 @@ impl Patch<f32> {
         dispatch!(level, simd => {
             let sampler = inlined(
                 #[inline(always)]
-                |segment: &Segment<f32>, parts| Some(sample(simd, self, segment, parts)),
+                |segment: &Segment<f32>, steps| Some(sample(simd, self, segment, steps)),
             );
             self.intersect_sampled(segment, ray, solver, sampler)
         })
     }
 }
 
-/// F at the ends of all parts of a segment.
+/// F at the ends of all parts of some steps along a segment.
 #[inline(always)]
 fn sample<S: Simd>(
     simd: S,
     patch: &Patch<f32>,
     segment: &Segment<f32>,
-    parts: usize,
+    Steps { start, part, parts }: Steps<f32>,
 ) -> Samples<f32> {
     const NUMBERS: [f32; 2 * MAX_LANES] = numbers();
-    let part = segment.length * (1.0 / parts as f64) as f32;
     let mut values = [0.0; 2 * MAX_LANES];
     for first in (0..=parts).step_by(S::f32s::LEN) {
         let number = Lanes::<S>(S::f32s::from_slice(simd, &NUMBERS[first..][..S::f32s::LEN]));
         let zero = number.splat(0.0);
         // An endless part times zero would be no number.
-        let at = Lanes::select(zero.less(number), number.splat(part) * number, zero);
+        let start = number.splat(start);
+        let at = Lanes::select(
+            zero.less(number),
+            start + number.splat(part) * number,
+            start,
+        );
         let value = patch.clearance(&segment.in_lanes(number), at);
         value.0.store_slice(&mut values[first..][..S::f32s::LEN]);
     }

@@ -17,7 +17,7 @@ use super::vector::{Vector, vector};
 /// take the triangle.
 const MIN_NORMAL_COSINE: f64 = 0.1;
 /// Twice the area over the squared size, below which there is no plane to speak of ...
-const DEGENERATE_AREA: f64 = 1e-6;
+const DEGENERATE_AREA: f64 = 1e-12;
 /// ... and below which its normal is too uncertain in `f32` to build a curved surface on.
 const SLIVER_AREA: f64 = 1e-4;
 /// The centroid's foot on a side must lie this far inside it, as a share of the side's length, for
@@ -255,7 +255,7 @@ impl<S: Scalar> Patch<S> {
             opposite * unit,
             (positions[0] - positions[2]) * unit,
         ];
-        if !self.lay_plane(edges, normals) {
+        if !self.lay_plane(positions, edges, normals) {
             return None;
         }
         for k in 0..3 {
@@ -336,7 +336,12 @@ impl<S: Scalar> Patch<S> {
 
     /// Sets the plane's normal, area and gradients; false where there is no area.
     #[inline(always)]
-    fn lay_plane(&mut self, edges: [Vector<S>; 3], normals: [Vector<S>; 3]) -> bool {
+    fn lay_plane(
+        &mut self,
+        positions: [Vector<S>; 3],
+        edges: [Vector<S>; 3],
+        normals: [Vector<S>; 3],
+    ) -> bool {
         // The two shortest sides give the most certain vector product.
         let lengths = three(|k| edges[k].dot(edges[k]));
         let longest = (0..3).fold(
@@ -347,10 +352,13 @@ impl<S: Scalar> Patch<S> {
         self.along_base = edges[longest] * (S::from_f64(1.0) / lengths[longest]);
         let cross = edges[next(longest)].cross(edges[next(next(longest))]);
         self.area2 = cross.length();
-        if !(S::from_f64(DEGENERATE_AREA) < self.area2) {
-            return false;
+        let mut geometric = cross * (S::from_f64(1.0) / self.area2);
+        if !(S::from_f64(SLIVER_AREA) < self.area2) {
+            match self.thin_plane(positions) {
+                Some(precise) => geometric = precise,
+                None => return false,
+            }
         }
-        let geometric = cross * (S::from_f64(1.0) / self.area2);
         let agreement = geometric.dot(normals[0] + normals[1] + normals[2]);
         self.winding = S::from_f64(if agreement < S::from_f64(0.0) {
             -1.0
@@ -363,6 +371,18 @@ impl<S: Scalar> Patch<S> {
             self.gradients[next(next(k))] = inward * (S::from_f64(1.0) / self.area2);
         }
         true
+    }
+
+    /// Sets the area and gives the normal of a thin triangle, whose vector product would drown in
+    /// rounding. Its plane has to be right all the same: rays may meet it at a grazing angle.
+    #[inline(never)]
+    fn thin_plane(&mut self, positions: [Vector<S>; 3]) -> Option<Vector<S>> {
+        let unit = 1.0 / self.size.to_f64();
+        let [a, b, c] = positions.map(Vector::to_f64);
+        let cross = ((b - a) * unit).cross((c - a) * unit);
+        let area2 = cross.length();
+        self.area2 = S::from_f64(area2);
+        (DEGENERATE_AREA < area2).then(|| Vector::from_f64(cross * (1.0 / area2)))
     }
 
     /// Whether the method may try this triangle.

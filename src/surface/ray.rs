@@ -50,6 +50,12 @@ const STRAY_EPSILONS: f64 = 64.0;
 const STEEPEST: f64 = 8.0;
 /// What a ray from one unit away moves by rounding, in units of epsilon.
 pub(super) const RAY_EPSILONS: f64 = 4.0;
+/// A flat triangle lower than this, in units of its size, is thin: the guard's share of its height
+/// does not make up for rounding of the triangle itself, nor for how far along its plane a ray at a
+/// grazing angle is moved by its own.
+const THIN: f64 = 1.0 / 32.0;
+/// The least sine of a grazing angle that is made up for.
+const LEAST_SINE: f64 = 1e-3;
 
 /// How far beyond side `k` a ray from this distance, in units of the patch's size, still counts.
 ///
@@ -59,6 +65,12 @@ pub(super) const RAY_EPSILONS: f64 = 4.0;
 fn guard<S: Scalar, V: Real<Scalar = S>>(patch: &Patch<S>, k: usize, distance: V) -> V {
     let ulps = S::EPSILON * S::from_f64(RAY_EPSILONS) / patch.sides[k].height;
     distance * distance.splat(ulps) + distance.splat(S::EPSILON * S::from_f64(OVERLAP_EPSILONS))
+}
+
+/// Whether a patch is a flat triangle so thin that rounding along its plane matters.
+#[inline(always)]
+pub(super) fn is_thin<S: Scalar>(patch: &Patch<S>) -> bool {
+    patch.rule == Rule::Flat && patch.sides[patch.base].height < S::from_f64(THIN)
 }
 
 #[inline(always)]
@@ -169,6 +181,37 @@ impl<V: Real> Segment<V> {
         }
     }
 
+    /// On a thin flat triangle, how much later a ray crosses the plane for a unit of height.
+    #[inline(always)]
+    fn grazing<S: Scalar>(&self, patch: &Patch<S>) -> Option<V>
+    where
+        V: Real<Scalar = S>,
+    {
+        is_thin(patch).then(
+            #[inline(always)]
+            || {
+                let least = self.speed * self.speed.constant(LEAST_SINE);
+                self.speed.constant(1.0) / self.z_rate.abs().greater(least)
+            },
+        )
+    }
+
+    /// How much later than a point of the plane the ray passes another one nearest, which lies off
+    /// the first by these barycentric coordinates of the second and third vertex; and how far
+    /// beside it, in units of the patch's size.
+    #[inline(always)]
+    pub(super) fn passing<S: Scalar>(&self, patch: &Patch<S>, [u, v]: [V; 2]) -> [V; 2]
+    where
+        V: Real<Scalar = S>,
+    {
+        let [to_second, to_third] = Vector::splat_both(u, patch.spokes);
+        let in_plane = to_second * self.b_rate[1] + to_third * self.b_rate[2];
+        let along = in_plane + Vector::splat(u, patch.normal) * self.z_rate;
+        let off = to_second * u + to_third * v;
+        let later = along.dot(off) / along.dot(along);
+        [later, (off - along * later).length()]
+    }
+
     /// Sets `start`, `length` and `alive`, all still in the ray's parameter from its origin.
     #[inline(always)]
     fn clip_to<S: Scalar>(&mut self, patch: &Patch<S>, distance: V, valid: V::Mask)
@@ -190,10 +233,17 @@ impl<V: Real> Segment<V> {
                 alive = alive & (moves | zero.at_most(value));
             },
         );
+        let grazing = self.grazing(patch);
         for (k, side) in patch.sides.iter().enumerate() {
             let m = next(next(k));
             let tilt = like.splat(side.tilt);
-            let guard = guard(patch, k, distance);
+            let mut guard = guard(patch, k, distance);
+            if let Some(inverse) = grazing {
+                let room = like.splat(S::EPSILON * S::from_f64(RAY_EPSILONS));
+                let ways =
+                    self.b_rate[m].abs() * inverse + like.splat(S::from_f64(1.0) / side.height);
+                guard = guard + (distance + like.constant(1.0)) * room * ways;
+            }
             keep(
                 self.b[m] - tilt * self.z + guard,
                 self.b_rate[m] - tilt * self.z_rate,

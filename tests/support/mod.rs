@@ -2,7 +2,7 @@
 
 #![allow(dead_code)] // each test file uses its own part
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use curvetri::bodies::{self, Blob};
@@ -190,6 +190,46 @@ pub fn closed_bodies() -> Vec<Body> {
     bodies
 }
 
+/// Every closed body there is: [`made_bodies`], and all meshes in the folder that `CURVETRI_MESHES`
+/// points to that load and are closed.
+pub fn all_closed_bodies() -> Vec<Body> {
+    let mut bodies = made_bodies();
+    let Some(folder) = std::env::var_os("CURVETRI_MESHES").map(PathBuf::from) else {
+        println!("only made bodies, because CURVETRI_MESHES is not set");
+        return bodies;
+    };
+    for path in mesh_files(&folder) {
+        let Ok(loaded) = load(&path, &LoadOptions::default()) else {
+            continue;
+        };
+        if Topology::new(&loaded.mesh).counts().is_closed() {
+            let name = path.strip_prefix(&folder).unwrap_or(&path);
+            bodies.push(Body {
+                name: name.display().to_string(),
+                mesh: Arc::new(loaded.mesh),
+            });
+        }
+    }
+    bodies
+}
+
+/// All files of the formats that are read, in a folder and those in it.
+pub fn mesh_files(folder: &Path) -> Vec<PathBuf> {
+    let endings = ["obj", "ply", "stl", "off", "gltf", "glb", "gz"];
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let ending = path.extension().and_then(|e| e.to_str());
+        if path.is_dir() {
+            found.extend(mesh_files(&path));
+        } else if ending.is_some_and(|e| endings.contains(&e)) {
+            found.push(path);
+        }
+    }
+    found.sort();
+    found
+}
+
 /// How many of some rays failed.
 #[derive(Debug)]
 pub struct Tally {
@@ -247,15 +287,37 @@ pub fn all_hits(traced: &Traced, ray: &Ray) -> Vec<curvetri::embree::Hit> {
     hits
 }
 
+/// Random points of the box that are tried before thin walls are looked for.
+const BOX_POINTS: u32 = 100;
+
 /// A point inside a closed body: rays from it cross the surface an odd number of times, in each of
 /// nine directions, and not at once.
+///
+/// # Panics
+/// If there seems to be none.
 fn inside_point(traced: &Traced, random: &mut Random) -> Vec3 {
     let bounds = traced.scene.bounds();
     let centre = (bounds.lower + bounds.upper) * 0.5;
     let half = (bounds.upper - bounds.lower) * 0.5;
-    loop {
-        let point = centre + half * random.in_cube();
-        let clear = half.max_element() * 0.01;
+    for tried in 0..20 * BOX_POINTS {
+        let mut point = centre + half * random.in_cube();
+        let mut clear = half.max_element() * 0.01;
+        if tried >= BOX_POINTS {
+            // A body that fills little of its box: half way between a ray's first two hits.
+            let mesh = traced.curved.mesh();
+            let corners = mesh.triangle_positions(random.below(mesh.triangles().len()));
+            let direction = random.direction();
+            let from = corners[0] - direction * (half.length() * 3.0);
+            let b = random.barycentric();
+            let across: Vec3 = (0..3).map(|k| (corners[k] - corners[0]) * b[k]).sum();
+            let ray = Ray::new(from + across, direction);
+            let hits = all_hits(traced, &ray);
+            let [first, second, ..] = hits[..] else {
+                continue;
+            };
+            point = ray.at(0.5 * (first.t + second.t));
+            clear = 0.01 * (second.t - first.t);
+        }
         let inside = (0..9).all(|_| {
             let hits = all_hits(traced, &Ray::new(point, random.direction()));
             hits.len() % 2 == 1 && hits[0].t > clear
@@ -264,6 +326,7 @@ fn inside_point(traced: &Traced, random: &mut Random) -> Vec3 {
             return point;
         }
     }
+    panic!("{}: no point is inside", traced.name);
 }
 
 /// Rays from inside at vertices, sides and anywhere that hit nothing.
