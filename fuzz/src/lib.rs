@@ -4,7 +4,7 @@ use std::alloc::System;
 use std::sync::Once;
 
 use cap::Cap;
-use curvetri::mesh::{LoadOptions, Mesh, load_bytes};
+use curvetri::mesh::{LoadOptions, Mesh, Scenery, load_bytes};
 
 mod cast;
 
@@ -42,7 +42,10 @@ pub fn load_within(file: &[u8], length: usize) {
     MEMORY.set_limit(usize::MAX).expect("no limit");
     match loaded {
         Err(error) => assert_names_place(&error.to_string()),
-        Ok(loaded) => assert_sound(&loaded.mesh),
+        Ok(loaded) => {
+            assert_sound(&loaded.mesh);
+            assert_usable(&loaded.scenery);
+        }
     }
 }
 
@@ -73,4 +76,13 @@ fn assert_sound(mesh: &Mesh) {
             .iter()
             .all(|&i| (i as usize) < mesh.positions().len())
     );
+}
+
+fn assert_usable(scenery: &Scenery) {
+    assert!(scenery.suns.iter().all(|sun| sun.is_normalized()));
+    for camera in &scenery.cameras {
+        assert!(camera.eye.is_finite());
+        assert!(camera.forward.is_normalized() && camera.up.is_normalized());
+        assert!(camera.fov_degrees > 0.0 && camera.fov_degrees < 180.0);
+    }
 }
