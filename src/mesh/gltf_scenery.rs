@@ -9,6 +9,9 @@ use gltf::json::{Node, Root};
 use super::LoadReport;
 use super::scenery::{FileCamera, Scenery};
 
+/// How many characters of a camera's name are kept: many nodes may carry one camera.
+const LONGEST_NAME: usize = 128;
+
 /// Reads the cameras and the infinitely far lights of the nodes; the others are told of.
 pub(super) fn read(
     root: &Root,
@@ -71,9 +74,10 @@ fn camera(root: &Root, node: &Node, to_scene: DAffine3) -> Result<Option<FileCam
     let fov_degrees = f64::from(perspective.yfov).to_degrees();
     let eye = to_scene.translation;
     let usable = fov_degrees > 0.0 && fov_degrees < 180.0 && eye.is_finite();
-    let name = node.name.clone().filter(|name| !name.is_empty());
+    let name = node.name.as_ref().filter(|name| !name.is_empty());
+    let name = name.or(camera.name.as_ref()).map_or("", String::as_str);
     Ok(usable.then(|| FileCamera {
-        name: name.or_else(|| camera.name.clone()).unwrap_or_default(),
+        name: name.chars().take(LONGEST_NAME).collect(),
         eye,
         forward,
         up,

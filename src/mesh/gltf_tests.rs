@@ -449,3 +449,17 @@ fn cameras_and_the_sun_stand_where_their_nodes_put_them() {
         "x.gltf: there is no light 7"
     );
 }
+
+#[test]
+fn a_long_name_of_a_camera_is_not_kept_once_a_node() {
+    let nodes = format!("{{\"mesh\":0}}{}", ",{\"camera\":0}".repeat(300));
+    let text = json(&data(), ACCESSORS, &primitive(3), &nodes, true);
+    let camera = format!(
+        "{{\"cameras\":[{{\"type\":\"perspective\",\"name\":\"{}\",\
+         \"perspective\":{{\"yfov\":1,\"znear\":0.1}}}}],",
+        "ä".repeat(10_000)
+    );
+    let cameras = load_text(&text.replacen('{', &camera, 1)).unwrap().scenery;
+    let lengths = cameras.cameras.iter().map(|c| c.name.chars().count());
+    assert_eq!(lengths.collect::<Vec<_>>(), [128; 300]);
+}

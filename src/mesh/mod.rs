@@ -5,6 +5,7 @@
 //! normals and merges corners into vertices. [`Topology`] then tells which triangles share a side
 //! and how.
 
+mod crossing;
 mod error;
 mod faces;
 mod facets;

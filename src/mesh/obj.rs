@@ -12,7 +12,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::error::{Fault, check_sizes};
-use super::obj_chunk::{Chunk, Count, Part};
+use super::obj_chunk::{Chunk, Count, Libraries, Part};
 use super::obj_text::{Lines, chunks, line_end};
 use super::{LoadReport, Parsed, Progress, RawMesh};
 
@@ -75,17 +75,13 @@ fn split_off<'a>(rest: &mut &'a mut [DVec3], count: u64) -> &'a mut [DVec3] {
 /// Cuts polygons and puts the parts' triangles behind each other.
 fn join(mut raw: RawMesh, parts: Vec<Part>, path: &Path) -> Result<Parsed, Fault> {
     let mut report = LoadReport::default();
-    let mut libraries: Vec<&String> = Vec::new();
+    let mut libraries = Libraries::default();
     let mut indices = 0;
     for part in &parts {
         report.polygons += part.faces.polygons;
         report.skipped_elements += part.faces.skipped + part.skipped;
         indices += part.faces.indices();
-        for library in &part.libraries {
-            if !libraries.contains(&library) {
-                libraries.push(library);
-            }
-        }
+        libraries.append(&part.libraries);
     }
     check_sizes(indices, 0)?;
     warn(&mut report, &libraries, path);
@@ -106,14 +102,20 @@ fn join(mut raw: RawMesh, parts: Vec<Part>, path: &Path) -> Result<Parsed, Fault
     Ok(Parsed::new(raw, report))
 }
 
-fn warn(report: &mut LoadReport, libraries: &[&String], path: &Path) {
-    for library in libraries {
+fn warn(report: &mut LoadReport, libraries: &Libraries, path: &Path) {
+    for library in &libraries.names {
         let beside = path.with_file_name("").join(library.replace('\\', "/"));
         if !beside.is_file() {
             report.warnings.push(format!(
                 "the material library {library} was not found; the mesh is read without it"
             ));
         }
+    }
+    if libraries.more > 0 {
+        report.warnings.push(format!(
+            "{} lines name further material libraries, which were not looked for",
+            libraries.more
+        ));
     }
 }
 

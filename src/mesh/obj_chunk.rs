@@ -27,8 +27,38 @@ pub(super) struct Part {
     pub(super) normal_corners: Vec<u32>,
     /// Lines, points and curves.
     pub(super) skipped: u64,
-    /// The material libraries named.
-    pub(super) libraries: Vec<String>,
+    pub(super) libraries: Libraries,
+}
+
+/// How many material libraries are looked for: more are only named in files made to be slow.
+const MAX_LIBRARIES: usize = 64;
+
+/// The material libraries named.
+#[derive(Default)]
+pub(super) struct Libraries {
+    /// The first of them.
+    pub(super) names: Vec<String>,
+    /// Lines that name others.
+    pub(super) more: u64,
+}
+
+impl Libraries {
+    fn add(&mut self, name: &str) {
+        if name.is_empty() || self.names.iter().any(|known| known == name) {
+            return;
+        }
+        if self.names.len() < MAX_LIBRARIES {
+            self.names.push(name.to_owned());
+        } else {
+            self.more += 1;
+        }
+    }
+
+    /// Adds those of a later part.
+    pub(super) fn append(&mut self, other: &Libraries) {
+        other.names.iter().for_each(|name| self.add(name));
+        self.more += other.more;
+    }
 }
 
 impl Count {
@@ -90,12 +120,7 @@ impl Chunk<'_> {
                 }
                 "f" | "fo" => self.face(&line, &mut corners, &mut part)?,
                 "l" | "p" | "curv" | "curv2" | "surf" => part.skipped += 1,
-                "mtllib" => {
-                    let library = line.rest.trim().to_owned();
-                    if !library.is_empty() && !part.libraries.contains(&library) {
-                        part.libraries.push(library);
-                    }
-                }
+                "mtllib" => part.libraries.add(line.rest.trim()),
                 _ => {}
             }
         }

@@ -120,6 +120,18 @@ fn a_missing_material_library_is_a_warning() {
 }
 
 #[test]
+fn very_many_material_libraries_are_counted_only() {
+    let lines: String = (0..100).map(|k| format!("mtllib no such {k}\n")).collect();
+    let loaded = read_text(&square(&(lines + "f 1 2 3\n"))).unwrap();
+    let warnings = loaded.report.warnings;
+    assert_eq!(warnings.len(), 65);
+    assert_eq!(
+        warnings[64],
+        "36 lines name further material libraries, which were not looked for"
+    );
+}
+
+#[test]
 fn stored_normals_are_used_and_missing_or_unusable_ones_made() {
     let text = square(
         "vn 0 0 3\nvn 0 0 0\nvn 0.6 0 0.8\nvn -nan(ind) 0 1.#QNAN\n\

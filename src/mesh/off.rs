@@ -88,7 +88,8 @@ fn header<'a>(
         let what = "the keyword promises vertices of any dimension; only three are read";
         return Err(Fault::Line(line, what.into()));
     }
-    let mut counts: Vec<&str> = words.collect();
+    // Only two count, and a line may have many.
+    let mut counts: Vec<&str> = words.take(2).collect();
     if counts
         .first()
         .is_some_and(|w| w.eq_ignore_ascii_case("binary"))
@@ -99,7 +100,7 @@ fn header<'a>(
     if counts.is_empty() {
         let (next, text) = lines.next("the numbers of vertices and faces")?;
         line = next;
-        counts = text.split_ascii_whitespace().collect();
+        counts = text.split_ascii_whitespace().take(2).collect();
     }
     let count = |k: usize, what: &str, least: usize| {
         let word = counts.get(k).copied().unwrap_or_default();

@@ -5,6 +5,15 @@ use std::collections::HashSet;
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
+use super::crossing::crosses_itself;
+
+/// Polygons of more corners than this are looked at before their ears are cut, which takes long
+/// where it fails.
+const MANY_CORNERS: usize = 128;
+
+/// Polygons of more corners than this become fans: ears may take a time quadratic in the corners.
+const MAX_CORNERS: usize = 1 << 15;
+
 /// Cuts polygons of any number of corners, convex or not. Keeps its buffers.
 pub(super) struct PolygonCutter {
     earcut: Earcut<f64>,
@@ -29,7 +38,7 @@ impl PolygonCutter {
     ///
     /// Quads and larger convex polygons become a fan around their first corner, a concave quad
     /// the fan around its concave corner; others are cut by ears. A polygon that crosses itself so
-    /// that ears do not cut it becomes a fan.
+    /// that ears do not cut it becomes a fan, and so does a concave one of more than 32,768 corners.
     ///
     /// # Panics
     ///
@@ -122,6 +131,11 @@ impl PolygonCutter {
     }
 
     fn cut_ears(&mut self, n: u32) {
+        let corners = self.flat.len();
+        if corners > MAX_CORNERS || corners > MANY_CORNERS && crosses_itself(&self.flat) {
+            self.fan(0, n);
+            return;
+        }
         self.earcut
             .earcut(self.flat.iter().copied(), &[], &mut self.cut);
         let (cut, _) = self.cut.as_chunks_mut::<3>();
@@ -300,5 +314,14 @@ mod tests {
         let line: Vec<[f64; 2]> = (0..7).map(|i| [f64::from(i * i % 5), 0.0]).collect();
         assert_eq!(cut(&line).len(), 5);
         assert_eq!(cut(&[[1.0, 1.0]; 936]).len(), 934);
+    }
+
+    #[test]
+    fn large_polygons_that_cross_themselves_take_no_time() {
+        // By ears this one takes minutes.
+        let star: Vec<[f64; 2]> = (0..30_001)
+            .map(|i| (2.4 * f64::from(i)).sin_cos().into())
+            .collect();
+        assert_eq!(cut(&star).len(), 29_999);
     }
 }

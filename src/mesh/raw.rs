@@ -43,6 +43,7 @@ impl RawMesh {
             .par_iter()
             .map(|&p| (p - origin).as_vec3() + Vec3::ZERO)
             .collect();
+        drop(self.positions);
         let (place_of, place_count) = weld(&positions);
         let mut places = vec![Vec3::ZERO; place_count];
         for (&place, &p) in place_of.iter().zip(&positions) {

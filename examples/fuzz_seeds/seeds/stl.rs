@@ -1,0 +1,68 @@
+//! STL files.
+
+use super::{File, Shape, ball, blob, cone, torus, words};
+
+pub fn files() -> Vec<File> {
+    let of = |shape| text(&shape, "a solid");
+    vec![
+        ("text", of(ball()).into()),
+        ("text of several solids", (of(cone()) + &of(ball())).into()),
+        ("text in capitals", of(ball()).to_uppercase().into()),
+        ("text windows", of(ball()).replace('\n', "\r\n").into()),
+        (
+            "text without an end",
+            of(ball())
+                .replace("endsolid", "")
+                .replace("a solid", "")
+                .into(),
+        ),
+        ("binary", binary(&torus(), b"binary")),
+        (
+            "binary that calls itself solid",
+            binary(&blob(), b"solid or not"),
+        ),
+        (
+            "binary with more behind",
+            [binary(&ball(), b"x"), vec![0; 9]].concat(),
+        ),
+    ]
+}
+
+fn facets(shape: &Shape) -> impl Iterator<Item = ([f32; 3], [[f32; 3]; 3])> {
+    // Not the facet's own: programs write zeros and worse.
+    let normals = [[0.0; 3], [0.0, 0.0, 1.0], [f32::NAN; 3]]
+        .into_iter()
+        .cycle();
+    let corner = |v: u32| shape.positions[v as usize];
+    let corners = shape
+        .faces
+        .iter()
+        .map(move |f| [f[0], f[1], f[2]].map(corner));
+    normals.zip(corners)
+}
+
+fn text(shape: &Shape, name: &str) -> String {
+    let mut text = format!("solid {name}\n");
+    for (normal, corners) in facets(shape) {
+        let vertices = corners
+            .map(|p| format!("   vertex {}\n", words(p)))
+            .concat();
+        text += &format!(
+            " facet normal {}\n  outer loop\n{vertices}  endloop\n endfacet\n",
+            words(normal)
+        );
+    }
+    text + "endsolid " + name + "\n"
+}
+
+fn binary(shape: &Shape, head: &[u8]) -> Vec<u8> {
+    let mut bytes = head.to_vec();
+    bytes.resize(80, b' ');
+    bytes.extend((shape.faces.len() as u32).to_le_bytes());
+    for (normal, corners) in facets(shape) {
+        let numbers = normal.into_iter().chain(corners.into_iter().flatten());
+        bytes.extend(numbers.flat_map(f32::to_le_bytes));
+        bytes.extend([0, 0]);
+    }
+    bytes
+}
