@@ -39,7 +39,11 @@ fn has_a_crossing(outline: &[[f64; 2]]) -> bool {
     }
     let certain = CERTAIN * (high - low).length_squared();
     // Along the longer axis, where fewer edges lie beside each other; rising.
-    let along = if high.x - low.x >= high.y - low.y { 0 } else { 1 };
+    let along = if high.x - low.x >= high.y - low.y {
+        0
+    } else {
+        1
+    };
     for edge in &mut edges {
         if edge[0][along] > edge[1][along] {
             edge.swap(0, 1);
