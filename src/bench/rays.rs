@@ -136,8 +136,8 @@ impl<'a> RayMaker<'a> {
         let wanted = (self.count / (BLOCK * BLOCK)).clamp(1, blocks * blocks);
         let mut rays = Vec::with_capacity(wanted * BLOCK * BLOCK);
         for n in 0..wanted {
-            // a low-discrepancy choice of blocks, in rising order
-            let block = n * blocks * blocks / wanted;
+            // a low-discrepancy choice of blocks, in rising order; of few none in a corner
+            let block = (2 * n + 1) * blocks * blocks / (2 * wanted);
             let row = block / blocks;
             let column = (block % blocks + row * 13) % blocks;
             let tiles = BLOCK / TILE;

@@ -139,7 +139,13 @@ fn check(corners: &Corners, rays: &[Ray<f32>], valid: u32, solver: Solver) -> [u
                 assert_eq!(normal, ng.to_array().map(bits), "ng: {what}");
             }
         }
-        assert_eq!(hits.evaluations, evaluations, "{level:?} {solver:?}");
+        match solver {
+            Solver::Finish { .. } => {
+                assert_eq!(hits.evaluations, evaluations, "{level:?} {solver:?}");
+            }
+            // All samples of a single ray's step are taken at once, needed or not.
+            Solver::Ita { .. } => assert!(hits.evaluations <= evaluations, "{level:?} {solver:?}"),
+        }
     }
     count
 }
