@@ -105,11 +105,11 @@ fn packets_give_what_single_rays_give_in_instances() {
         for options in all_options() {
             let inner = scene_of(&device, [geometry(&device, &body, &options)]);
             let outer = instances(&device, &inner);
-            let mut rays = rays_at_instances(&inner, 10_000, 62);
+            let mut rays = rays_at_instances(&inner, 4_000, 62);
             // Some see all of them.
             rays.iter_mut().step_by(3).for_each(|ray| ray.mask = !0);
             let single = singly(&outer, &rays, None);
-            assert!(single.met() > 500);
+            assert!(single.met() > 200);
             for (how, said) in by_all_packets(&outer, &rays, None) {
                 agreement.compare(&single, &said, &format!("{} {options:?}, {how}", body.name));
             }
