@@ -9,7 +9,7 @@ use serde_json::Value;
 
 const FEW: [&str; 7] = [
     "bench",
-    "--rays=1024",
+    "--rays=4096",
     "--rounds=2",
     "--forms=smooth,smooth-leaf4,smooth-ita3,tessellated-x16,tessellated-equal,grids-x16,subdivision-4",
     "--kinds=primary,diffuse,shadow",

@@ -58,12 +58,16 @@ impl RayKind {
 
 /// Pixels a side of the picture that primary rays are of.
 const SIDE: usize = 1024;
-/// Pixels a side of the blocks that are traced of it.
+/// Pixels a side of the blocks that are traced of it ...
 const BLOCK: usize = 32;
+/// ... and of those of few rays, which would see little of the picture in large ones.
+const SMALL_BLOCK: usize = 8;
+/// How many blocks are to show the picture.
+const ENOUGH_BLOCKS: usize = 64;
 /// Pixels a side of the tiles that make a packet.
 const TILE: usize = 4;
 /// The least share of primary rays that are to hit.
-const LEAST_HITS: f64 = 0.65;
+const LEAST_HITS: f64 = 0.7;
 /// Length of ambient occlusion rays over the mesh's diagonal.
 const NEAR: f32 = 0.2;
 /// How far off the surface secondary rays start: over their triangle's longest side, ...
@@ -132,19 +136,24 @@ impl<'a> RayMaker<'a> {
     /// Camera rays of as many blocks of the picture as are wanted, spread over it.
     fn primary(&self) -> Vec<Ray> {
         let camera = self.camera();
-        let blocks = SIDE / BLOCK;
-        let wanted = (self.count / (BLOCK * BLOCK)).clamp(1, blocks * blocks);
-        let mut rays = Vec::with_capacity(wanted * BLOCK * BLOCK);
+        let side = if self.count < ENOUGH_BLOCKS * BLOCK * BLOCK {
+            SMALL_BLOCK
+        } else {
+            BLOCK
+        };
+        let blocks = SIDE / side;
+        let wanted = (self.count / (side * side)).clamp(1, blocks * blocks);
+        let mut rays = Vec::with_capacity(wanted * side * side);
         for n in 0..wanted {
             // a low-discrepancy choice of blocks, in rising order; of few none in a corner
             let block = (2 * n + 1) * blocks * blocks / (2 * wanted);
             let row = block / blocks;
             let column = (block % blocks + row * 13) % blocks;
-            let tiles = BLOCK / TILE;
-            for pixel in 0..BLOCK * BLOCK {
+            let tiles = side / TILE;
+            for pixel in 0..side * side {
                 let (tile, within) = (pixel / (TILE * TILE), pixel % (TILE * TILE));
-                let x = column * BLOCK + tile % tiles * TILE + within % TILE;
-                let y = row * BLOCK + tile / tiles * TILE + within / TILE;
+                let x = column * side + tile % tiles * TILE + within % TILE;
+                let y = row * side + tile / tiles * TILE + within / TILE;
                 let at = |n: usize| 2.0 * (n as f32 + 0.5) / SIDE as f32 - 1.0;
                 rays.push(camera.ray(at(x), at(y)));
             }

@@ -9,7 +9,7 @@ fn tiny(forms: Vec<NamedForm>) -> (Subject, Options) {
     };
     let options = Options {
         forms,
-        rays: 2048,
+        rays: 4096,
         rounds: 1,
         threads: vec![1],
         all_ways: true,
