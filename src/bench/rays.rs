@@ -66,6 +66,8 @@ const SMALL_BLOCK: usize = 8;
 const ENOUGH_BLOCKS: usize = 64;
 /// Pixels a side of the tiles that make a packet.
 const TILE: usize = 4;
+/// Rays a side of the picture by which the camera finds the mesh.
+const PROBES: usize = 64;
 /// The least share of primary rays that are to hit.
 const LEAST_HITS: f64 = 0.7;
 /// Length of ambient occlusion rays over the mesh's diagonal.
@@ -161,36 +163,25 @@ impl<'a> RayMaker<'a> {
         rays
     }
 
-    /// A camera that sees the mesh, near enough for most rays to hit.
+    /// A camera that sees as much of the mesh as it can while most rays hit.
     fn camera(&self) -> Camera {
         let (centre, diagonal) = (self.centre(), self.diagonal());
         let eye = centre + 2.0 * diagonal * VIEW.normalize();
         let whole = Camera::new(eye, centre, 0.25);
-        let probes = || {
-            let at = |n: usize| (n as f32 + 0.5) / 32.0 - 1.0;
-            (0..64 * 64).map(move |n| [at(n % 64), at(n / 64)])
+        let hits = |column: usize, row: usize| {
+            let at = |n: usize| 2.0 * (n as f32 + 0.5) / PROBES as f32 - 1.0;
+            let ray = whole.ray(at(column), at(row));
+            let hit = self.scene.intersect1(&ray, &QueryOptions::default());
+            hit.is_some()
         };
-        let hit = |camera: &Camera, [x, y]: [f32; 2]| {
-            let ray = camera.ray(x, y);
-            let hit = self.scene.intersect1(&ray, &QueryOptions::default())?;
-            Some(ray.at(hit.t))
-        };
-        let nearest_middle = probes()
-            .filter_map(|at| Some((at, hit(&whole, at)?)))
-            .min_by(|(a, _), (b, _)| {
-                let far = |[x, y]: &[f32; 2]| x * x + y * y;
-                far(a).total_cmp(&far(b))
-            });
-        let target = nearest_middle.map_or(centre, |(_, point)| point);
-        let mut camera = Camera::new(eye, target, 0.25);
-        for _ in 0..24 {
-            let hits = probes().filter(|at| hit(&camera, *at).is_some()).count();
-            if hits as f64 >= LEAST_HITS * probes().count() as f64 {
-                break;
-            }
-            camera = Camera::new(eye, target, 0.88 * camera.reach);
-        }
-        camera
+        let window = largest_window(hits).unwrap_or(Window {
+            corner: [0, 0],
+            side: PROBES,
+        });
+        let share = window.side as f32 / PROBES as f32;
+        let middle = |n: usize| 2.0 * n as f32 / PROBES as f32 + share - 1.0;
+        let target = whole.ray(middle(window.corner[0]), middle(window.corner[1]));
+        Camera::new(eye, target.at(1.0), share * whole.reach)
     }
 
     /// Where primary rays hit, in their order.
@@ -271,6 +262,38 @@ impl<'a> RayMaker<'a> {
         };
         (0..count).map(|_| ray()).collect()
     }
+}
+
+/// A square of the probes.
+struct Window {
+    /// Column and row of its first probe.
+    corner: [usize; 2],
+    side: usize,
+}
+
+/// The largest square of which [`LEAST_HITS`] hit, of those of one size the one that hits most.
+fn largest_window(hits: impl Fn(usize, usize) -> bool) -> Option<Window> {
+    // how many hit in the rows and columns before
+    let mut before = vec![[0_u32; PROBES + 1]; PROBES + 1];
+    for row in 0..PROBES {
+        for column in 0..PROBES {
+            before[row + 1][column + 1] = before[row][column + 1] + before[row + 1][column]
+                - before[row][column]
+                + u32::from(hits(column, row));
+        }
+    }
+    let count = |[x, y]: [usize; 2], side: usize| {
+        before[y + side][x + side] + before[y][x] - before[y][x + side] - before[y + side][x]
+    };
+    (1..=PROBES).rev().find_map(|side| {
+        let places = 0..=PROBES - side;
+        let corners = places
+            .clone()
+            .flat_map(|y| places.clone().map(move |x| [x, y]));
+        let corner = corners.max_by_key(|corner| count(*corner, side))?;
+        let enough = f64::from(count(corner, side)) >= LEAST_HITS * (side * side) as f64;
+        enough.then_some(Window { corner, side })
+    })
 }
 
 struct Camera {
