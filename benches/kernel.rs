@@ -7,7 +7,7 @@
 
 use curvetri::curved::CurvedOptions;
 use curvetri::surface::{
-    Outline, Patch, PatchFlags, PatchRecord, Ray, RayLanes, Solver, Surface, Vector, vector,
+    KeptPatch, Patch, PatchFlags, PatchRecord, Ray, RayLanes, Solver, Surface, Vector, vector,
 };
 use divan::{Bencher, black_box};
 
@@ -90,8 +90,8 @@ impl Triangle {
         }
     }
 
-    fn outline(&self) -> Outline<'_, f32> {
-        Outline::new(
+    fn kept(&self) -> KeptPatch<'_> {
+        KeptPatch::new(
             black_box(self.positions),
             black_box(self.normals),
             black_box(&self.record),
@@ -100,7 +100,7 @@ impl Triangle {
 
     /// Rays of one fate, from about one unit away.
     fn rays(&self, fate: Fate) -> Vec<Ray<f32>> {
-        let patch = self.outline().complete();
+        let patch = self.kept().outline().complete();
         let mut state = 1u64;
         let mut unit = || {
             state = state
@@ -144,7 +144,7 @@ fn single(bencher: Bencher<'_, '_>, (method, fate): (Method, Fate)) {
     bencher.bench_local(|| {
         n = (n + 1) % RAYS;
         let ray = black_box(&rays[n]);
-        triangle.outline().intersect(ray, solver, true)
+        triangle.kept().intersect(ray, solver, true)
     });
 }
 
@@ -175,7 +175,7 @@ fn packet_of_16(bencher: Bencher<'_, '_>, (method, fate): (Method, Fate)) {
             tfar: &tfar[n..n + 16],
         };
         triangle
-            .outline()
+            .kept()
             .intersect_packet(black_box(&packet), 0xffff, solver, true)
     });
 }
@@ -185,7 +185,7 @@ fn packet_of_16(bencher: Bencher<'_, '_>, (method, fate): (Method, Fate)) {
 fn evaluation(bencher: Bencher<'_, '_>, surface: Surface) {
     let triangle = Triangle::new(PatchFlags::new(surface));
     let rays = triangle.rays(Fate::Hit);
-    let patch = triangle.outline().complete();
+    let patch = triangle.kept().outline().complete();
     let segments: Vec<_> = rays
         .iter()
         .map(|ray| patch.segment(ray, &patch.clip(ray, true)))
@@ -202,7 +202,7 @@ fn evaluation(bencher: Bencher<'_, '_>, surface: Surface) {
 fn set_up(bencher: Bencher<'_, '_>, whole: bool) {
     let triangle = Triangle::new(PatchFlags::default());
     bencher.bench_local(|| {
-        let outline = triangle.outline();
+        let outline = triangle.kept().outline();
         if whole {
             black_box(outline.complete());
         } else {

@@ -5,7 +5,7 @@ use std::ops::DerefMut;
 use super::CurvedMesh;
 use super::counters::{count, count_callback};
 use crate::embree::{Bounds, IntersectQuery, OccludedQuery, QueryRays, SurfaceHit, UserGeometry};
-use crate::surface::{HitLanes, Outline, Ray, RayLanes, Real};
+use crate::surface::{HitLanes, KeptPatch, Ray, RayLanes, Real};
 
 impl UserGeometry for CurvedMesh {
     fn primitives(&self) -> u32 {
@@ -58,10 +58,10 @@ fn surface_hit(hits: &HitLanes, lane: usize) -> SurfaceHit {
 }
 
 /// The lane's ray from beyond a root that was rejected.
-fn rest_of_ray(outline: &Outline<'_, f32>, query: &QueryRays<'_>, lane: usize, t: f32) -> Ray<f32> {
+fn rest_of_ray(patch: &KeptPatch<'_>, query: &QueryRays<'_>, lane: usize, t: f32) -> Ray<f32> {
     let ray = kernel_ray(&query.ray(lane));
     Ray {
-        tnear: outline.beyond(&ray, t),
+        tnear: patch.beyond(&ray, t),
         ..ray
     }
 }
@@ -110,41 +110,32 @@ impl CurvedMesh {
         report: impl Fn(&mut Q, usize, SurfaceHit) -> bool,
     ) {
         query.set_prim_id(triangle);
-        let outline = self.outline(triangle);
+        let patch = self.kept(triangle);
         if valid.count_ones() < MIN_PACKET {
             for lane in lanes(valid) {
                 let ray = kernel_ray(&query.ray(lane));
-                self.offer_roots(&outline, ray, normals, |hit| report(query, lane, hit));
+                self.offer_roots(&patch, ray, normals, |hit| report(query, lane, hit));
             }
             return;
         }
-        let hits = self.packet_hits(&outline, query, valid, normals);
+        let hits = self.packet_hits(&patch, query, valid, normals);
         for lane in lanes(hits.found) {
             if !report(query, lane, surface_hit(&hits, lane)) {
-                let ray = rest_of_ray(&outline, query, lane, hits.t[lane]);
-                self.offer_roots(&outline, ray, normals, |hit| report(query, lane, hit));
+                let ray = rest_of_ray(&patch, query, lane, hits.t[lane]);
+                self.offer_roots(&patch, ray, normals, |hit| report(query, lane, hit));
             }
         }
-    }
-
-    #[inline(always)]
-    fn outline(&self, triangle: u32) -> Outline<'_, f32> {
-        super::outline(
-            &self.mesh,
-            triangle as usize,
-            &self.records[triangle as usize],
-        )
     }
 
     /// The first roots of some rays of a query.
     fn packet_hits(
         &self,
-        outline: &Outline<'_, f32>,
+        patch: &KeptPatch<'_>,
         query: &QueryRays<'_>,
         valid: u32,
         normals: bool,
     ) -> HitLanes {
-        let hits = outline.intersect_packet(&ray_lanes(query), valid, self.solver, normals);
+        let hits = patch.intersect_packet(&ray_lanes(query), valid, self.solver, normals);
         count(valid.count_ones().into(), hits.evaluations.into());
         hits
     }
@@ -152,21 +143,21 @@ impl CurvedMesh {
     /// Reports the ray's roots on a patch, nearest first, until one is accepted.
     fn offer_roots(
         &self,
-        outline: &Outline<'_, f32>,
+        patch: &KeptPatch<'_>,
         mut ray: Ray<f32>,
         normals: bool,
         mut report: impl FnMut(SurfaceHit) -> bool,
     ) {
         let mut evaluations = 0;
         loop {
-            let (hit, normal) = outline.intersect(&ray, self.solver, normals);
+            let (hit, normal) = patch.intersect(&ray, self.solver, normals);
             evaluations += u64::from(hit.evaluations);
             let (t, u, v) = (hit.t, hit.u, hit.v);
             let ng = normal.into();
             if !hit.found || report(SurfaceHit { t, u, v, ng }) {
                 break;
             }
-            ray.tnear = outline.beyond(&ray, t);
+            ray.tnear = patch.beyond(&ray, t);
         }
         count(1, evaluations);
     }

@@ -17,7 +17,9 @@ use rayon::prelude::*;
 
 use crate::embree::Bounds;
 use crate::mesh::{Mesh, Topology, TopologyCounts};
-use crate::surface::{BoundsKind, Outline, Patch, PatchKind, PatchRecord, Solver, Surface, Vector};
+use crate::surface::{
+    BoundsKind, KeptPatch, Patch, PatchKind, PatchRecord, Solver, Surface, Vector,
+};
 
 use clusters::Cluster;
 pub use counters::{Counters, counters};
@@ -169,8 +171,13 @@ impl CurvedMesh {
     /// # Panics
     /// If there is no such triangle.
     pub fn patch(&self, triangle: u32) -> Patch<f32> {
-        let (positions, normals) = corners(&self.mesh, triangle as usize);
-        Patch::from_record(positions, normals, &self.records[triangle as usize])
+        self.kept(triangle).patch()
+    }
+
+    #[inline(always)]
+    fn kept(&self, triangle: u32) -> KeptPatch<'_> {
+        let triangle = triangle as usize;
+        kept(&self.mesh, triangle, &self.records[triangle])
     }
 
     /// The same patch computed in `f64` from the same vertices: the oracle for the `f32` one.
@@ -185,15 +192,20 @@ impl CurvedMesh {
     }
 }
 
-/// What a triangle's rays are clipped to.
-fn outline<'a>(mesh: &Mesh, triangle: usize, record: &'a PatchRecord) -> Outline<'a, f32> {
+/// What is kept of a triangle's patch.
+#[inline(always)]
+fn kept<'a>(mesh: &Mesh, triangle: usize, record: &'a PatchRecord) -> KeptPatch<'a> {
     let (positions, normals) = corners(mesh, triangle);
-    Outline::new(positions, normals, record)
+    KeptPatch::new(positions, normals, record)
 }
 
 /// A triangle's positions and normals as the kernel takes them.
+#[inline(always)]
 fn corners(mesh: &Mesh, triangle: usize) -> ([Vector<f32>; 3], [Vector<f32>; 3]) {
-    let positions = mesh.triangle_positions(triangle).map(Vector::from);
-    let normals = mesh.triangle_normals(triangle).map(Vector::from);
-    (positions, normals)
+    let [a, b, c] = mesh.triangle_positions(triangle);
+    let [k, m, n] = mesh.triangle_normals(triangle);
+    (
+        [a.into(), b.into(), c.into()],
+        [k.into(), m.into(), n.into()],
+    )
 }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::kinds::Kinds;
 use super::spheres::Spheres;
-use super::{CurvedOptions, corners, outline};
+use super::{CurvedOptions, corners, kept};
 use crate::mesh::{Mesh, Topology};
 use crate::surface::{Patch, PatchFlags, PatchKind, PatchRecord};
 
@@ -29,7 +29,7 @@ pub(super) fn prepare(mesh: &Mesh, topology: &Topology, options: &CurvedOptions)
         .map(|record| Kinds::of(record.kind()))
         .reduce(Kinds::default, |a, b| a + b);
     let spheres = (records.par_iter().enumerate())
-        .map(|(triangle, record)| Spheres::of(outline(mesh, triangle, record).sphere()))
+        .map(|(triangle, record)| Spheres::of(kept(mesh, triangle, record).outline().sphere()))
         .reduce(Spheres::default, |a, b| a + b);
     Prepared {
         records,

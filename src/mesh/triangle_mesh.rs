@@ -162,7 +162,13 @@ impl Mesh {
     /// If there is no such triangle.
     #[must_use]
     pub fn triangle_positions(&self, triangle: usize) -> [Vec3; 3] {
-        self.triangles[triangle].map(|v| self.positions[v as usize])
+        // not by `map`, which need not be inlined, and rays wait for it
+        let [a, b, c] = self.triangles[triangle];
+        [
+            self.positions[a as usize],
+            self.positions[b as usize],
+            self.positions[c as usize],
+        ]
     }
 
     /// The unit normals at a triangle's corners.
@@ -172,7 +178,12 @@ impl Mesh {
     /// If there is no such triangle.
     #[must_use]
     pub fn triangle_normals(&self, triangle: usize) -> [Vec3; 3] {
-        self.triangles[triangle].map(|v| self.normals[v as usize])
+        let [a, b, c] = self.triangles[triangle];
+        [
+            self.normals[a as usize],
+            self.normals[b as usize],
+            self.normals[c as usize],
+        ]
     }
 
     /// A vertex's position in the user's space.

@@ -4,7 +4,7 @@ use super::flags::BoundsKind;
 use super::frame::Frame;
 use super::hull::{Hull, Interval};
 use super::patch::{Patch, PatchKind, Rule};
-use super::ray::{Ray, beyond};
+use super::ray::Ray;
 use super::real::{Real, Scalar};
 use super::record::PatchRecord;
 use super::sphere::Sphere;
@@ -59,10 +59,9 @@ impl<'a, S: Scalar> Outline<'a, S> {
         self.hull.sphere.as_ref()
     }
 
-    /// The same as [`Patch::beyond`].
-    pub fn beyond(&self, ray: &Ray<S>, t: S) -> S {
-        let size = self.frame.as_ref().map_or(S::from_f64(1.0), |f| f.size);
-        beyond(self.origin, size, ray, t)
+    /// The patch's unit of length.
+    pub(super) fn size(&self) -> S {
+        self.frame.as_ref().map_or(S::from_f64(1.0), |f| f.size)
     }
 
     /// The whole patch.

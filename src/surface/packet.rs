@@ -6,6 +6,7 @@ use fearless_simd::{Level, dispatch, f32x4, prelude::*};
 use super::finish::{MAX_PARTS, Samples};
 use super::hit::{Hit, Solver, Steps};
 use super::hull::Interval;
+use super::kept::KeptPatch;
 use super::lanes::{LaneMask, Lanes, Quad};
 use super::outline::Outline;
 use super::patch::Patch;
@@ -54,7 +55,7 @@ struct Asked {
     normals: bool,
 }
 
-impl Outline<'_, f32> {
+impl KeptPatch<'_> {
     /// The first hits with `tnear < t <= tfar` of the lanes of `valid` (one bit a lane), with the
     /// surface's normals there if `normals`.
     ///
@@ -64,6 +65,7 @@ impl Outline<'_, f32> {
     ///
     /// # Panics
     /// If the slices differ in length, or there are more than 16 rays.
+    #[inline]
     pub fn intersect_packet(
         &self,
         rays: &RayLanes<'_>,
@@ -75,6 +77,7 @@ impl Outline<'_, f32> {
     }
 
     /// The same with the instructions of one level.
+    #[inline(always)]
     pub(super) fn intersect_packet_at(
         &self,
         level: Level,
@@ -99,12 +102,11 @@ impl Outline<'_, f32> {
             normal: [[0.0; MAX_LANES]; 3],
             evaluations: 0,
         };
-        dispatch!(level, simd => trace(simd, self, rays, asked, &mut hits));
+        // Laid out within, so that the level's instructions serve that as well.
+        dispatch!(level, simd => trace(simd, &self.outline(), rays, asked, &mut hits));
         hits
     }
-}
 
-impl Outline<'_, f32> {
     /// Where the ray first meets the surface with `tnear < t <= tfar`, and the surface's normal there
     /// if `normal`, else zeros.
     ///
@@ -131,10 +133,13 @@ impl Outline<'_, f32> {
         normal: bool,
     ) -> (Hit<f32>, Vector<f32>) {
         let mut found = (Hit::none(0.0), vector(0.0, 0.0, 0.0));
-        let interval = self.clip(ray, true);
-        if !interval.is_empty() {
-            dispatch!(level, simd => found = single(simd, self, &interval, ray, solver, normal));
-        }
+        dispatch!(level, simd => {
+            let outline = self.outline();
+            let interval = outline.clip(ray, true);
+            if !interval.is_empty() {
+                found = single(simd, &outline, &interval, ray, solver, normal);
+            }
+        });
         found
     }
 }

@@ -39,8 +39,8 @@ impl Corners {
             record,
         }
     }
-    fn outline(&self) -> Outline<'_, f32> {
-        Outline::new(self.positions, self.normals, &self.record)
+    fn kept(&self) -> KeptPatch<'_> {
+        KeptPatch::new(self.positions, self.normals, &self.record)
     }
     fn patch(&self) -> Patch<f32> {
         Patch::from_record(self.positions, self.normals, &self.record)
@@ -102,10 +102,10 @@ fn check(corners: &Corners, rays: &[Ray<f32>], valid: u32, solver: Solver) -> [u
         tfar: &column(|ray| ray.tfar),
     };
     let patch = corners.patch();
-    let outline = corners.outline();
+    let kept = corners.kept();
     let mut count = [0; 2];
     for level in levels() {
-        let hits = outline.intersect_packet_at(level, &packet, valid, solver, true);
+        let hits = kept.intersect_packet_at(level, &packet, valid, solver, true);
         let mut evaluations = 0;
         for (lane, ray) in rays.iter().enumerate() {
             let found = hits.found >> lane & 1 != 0;
@@ -114,7 +114,7 @@ fn check(corners: &Corners, rays: &[Ray<f32>], valid: u32, solver: Solver) -> [u
                 continue;
             }
             let single = patch.intersect(ray, solver);
-            let (sampled, ng) = outline.intersect_at(level, ray, solver, true);
+            let (sampled, ng) = kept.intersect_at(level, ray, solver, true);
             evaluations += sampled.evaluations;
             let answer = |hit: &Hit<f32>| {
                 let place = [hit.t, hit.u, hit.v].map(f32::to_bits);

@@ -1,0 +1,47 @@
+//! A triangle as a mesh keeps it: what rays are traced against, laid out anew for each.
+
+use super::outline::Outline;
+use super::patch::Patch;
+use super::ray::{Ray, beyond};
+use super::record::PatchRecord;
+use super::vector::Vector;
+
+/// A curved triangle's vertices and its record: all that is kept of a patch.
+#[derive(Clone, Copy, Debug)]
+pub struct KeptPatch<'a> {
+    positions: [Vector<f32>; 3],
+    normals: [Vector<f32>; 3],
+    record: &'a PatchRecord,
+}
+
+impl<'a> KeptPatch<'a> {
+    /// The patch over these vertices whose [record](Patch::record) this is.
+    #[inline(always)]
+    pub fn new(
+        positions: [Vector<f32>; 3],
+        normals: [Vector<f32>; 3],
+        record: &'a PatchRecord,
+    ) -> Self {
+        Self {
+            positions,
+            normals,
+            record,
+        }
+    }
+
+    /// What rays are clipped to.
+    #[inline(always)]
+    pub fn outline(&self) -> Outline<'a, f32> {
+        Outline::new(self.positions, self.normals, self.record)
+    }
+
+    /// The whole patch.
+    pub fn patch(&self) -> Patch<f32> {
+        self.outline().complete()
+    }
+
+    /// The same as [`Patch::beyond`].
+    pub fn beyond(&self, ray: &Ray<f32>, t: f32) -> f32 {
+        beyond(self.positions[0], self.outline().size(), ray, t)
+    }
+}
