@@ -349,38 +349,6 @@ fn wrong_buffers_json_and_extensions_are_refused() {
 }
 
 #[test]
-fn copies_that_add_up_to_too_much_are_refused() {
-    let part = RawMesh {
-        corners: vec![[0, 1, 2]; 1000],
-        ..RawMesh::default()
-    };
-    let instance = || Instance {
-        part: 0,
-        to_scene: DAffine3::IDENTITY,
-    };
-    let flat = |copies: usize| {
-        flatten(Model {
-            scenery: Scenery::default(),
-            parts: vec![part.clone()],
-            instances: (0..copies).map(|_| instance()).collect(),
-            report: LoadReport::default(),
-        })
-    };
-    assert_eq!(flat(3).unwrap().raw.corners.len(), 3000);
-    let Err(Fault::Content(what)) = flat(50_001) else {
-        panic!("fifty million triangles are the most");
-    };
-    assert!(
-        what.starts_with("its copies of meshes add up to 50001000"),
-        "{what}"
-    );
-    assert!(matches!(
-        flat(1_000_000),
-        Err(Fault::Mesh(MeshError::TooManyIndices { .. }))
-    ));
-}
-
-#[test]
 fn skins_and_morphs_are_told() {
     let nodes = "{\"mesh\":0,\"skin\":0,\"weights\":[0,0.5]}";
     let warnings = loaded(&primitive(2), nodes).report.warnings;
