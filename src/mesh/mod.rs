@@ -50,7 +50,7 @@ pub use normals::{NormalsPolicy, NormalsReport};
 pub use obj_write::{obj_text, write_obj};
 pub use parts::{Parts, Placement};
 pub use raw::{NO_NORMAL, RawMesh};
-pub use scenery::{FileCamera, Scenery};
+pub use scenery::{FileCamera, FileCone, FileLamp, Scenery};
 pub use topology::{NO_TRIANGLE, SideKind, Topology, TopologyCounts};
 pub use triangle_mesh::{Bounds, Mesh};
 pub(crate) use weld::weld;

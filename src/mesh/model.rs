@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::error::{Fault, MAX_INDICES};
 use super::parts::Placement;
-use super::{MeshError, NO_NORMAL, RawMesh};
+use super::{Bounds, MeshError, NO_NORMAL, RawMesh};
 
 /// The most triangles that copies of the same meshes may add up to.
 const MAX_FLATTENED: u64 = 50_000_000;
@@ -46,12 +46,13 @@ impl Model {
     /// Puts what is used once into one part, in the user's space, the first; what is used more often
     /// stays apart, but for uses whose transform no instance can have.
     pub fn split(mut self) -> Result<Model, Fault> {
-        self.uses
-            .retain(|u| !self.parts[u.part].corners.is_empty());
+        self.uses.retain(|u| !self.parts[u.part].corners.is_empty());
         let mut counts = vec![0_usize; self.parts.len()];
         self.uses.iter().for_each(|u| counts[u.part] += 1);
         let boxes: Vec<_> = (self.parts.iter().zip(&counts))
-            .map(|(part, &count)| (count > 1).then(|| bounds(part)))
+            .map(|(part, &count)| {
+                (count > 1).then(|| Bounds::around(part.positions.iter().copied()))
+            })
             .collect();
         let fits = |u: &Placement| boxes[u.part].is_some_and(|b| can_be_instance(&u.to_user, b));
         let mut apart = vec![0_usize; self.parts.len()];
@@ -80,24 +81,16 @@ impl Model {
     }
 }
 
-/// The box of a part's own positions.
-fn bounds(part: &RawMesh) -> [DVec3; 2] {
-    let none = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-    let positions = part.positions.iter();
-    positions.fold(none, |[min, max], &p| [min.min(p), max.max(p)])
-}
-
 /// Whether a mesh in this box can be put there by an instance's transform.
-fn can_be_instance(to_user: &DAffine3, [min, max]: [DVec3; 2]) -> bool {
+fn can_be_instance(to_user: &DAffine3, bounds: Bounds) -> bool {
     let size = |m: DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
-    let m = to_user.matrix3;
-    let [grows, shrinks] = [size(m), size(m.inverse())];
-    let corners = (0..8).map(|n| DVec3::select(glam::BVec3::new(n & 1 > 0, n & 2 > 0, n & 4 > 0), max, min));
+    let [grows, shrinks] = [to_user.matrix3, to_user.matrix3.inverse()].map(size);
     let near = |p: DVec3| p.abs().max_element() <= FURTHEST;
+    let mut corners = bounds.corners().into_iter();
     // NaN is not below anything.
     grows * shrinks <= MOST_STRETCH
         && grows.max(shrinks) <= MOST_SCALE
-        && corners.into_iter().all(|p| near(p) && near(to_user.transform_point3(p)))
+        && corners.all(|p| near(p) && near(to_user.transform_point3(p)))
 }
 
 /// Some uses of parts as one mesh.

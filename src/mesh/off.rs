@@ -187,7 +187,10 @@ mod tests {
         let text =
             format!("OFF # by hand\n\n4 3 0\n{SQUARE}4 0 1 2 3 255 0 0\n# x\n3 0 1 2\n2 0 1\n");
         let parsed = read(&text).unwrap();
-        assert_eq!(parsed.model.parts[0].corners, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
+        assert_eq!(
+            parsed.model.parts[0].corners,
+            [[0, 1, 2], [0, 2, 3], [0, 1, 2]]
+        );
         assert_eq!(
             (parsed.report.polygons, parsed.report.skipped_elements),
             (2, 1)

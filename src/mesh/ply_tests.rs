@@ -80,7 +80,10 @@ fn all_encodings_and_orders_say_the_same() {
         let parsed = read(bytes).unwrap();
         let square = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]].map(DVec3::from);
         assert_eq!(parsed.model.parts[0].positions[..3], square[..3]);
-        assert_eq!(parsed.model.parts[0].corners, [[0, 1, 2], [0, 2, 3], [2, 1, 0]]);
+        assert_eq!(
+            parsed.model.parts[0].corners,
+            [[0, 1, 2], [0, 2, 3], [2, 1, 0]]
+        );
         assert_eq!(parsed.model.parts[0].normal_corners, None);
         assert_eq!(parsed.report.polygons, 2);
     }
@@ -96,7 +99,11 @@ fn headers_may_have_any_line_ends_blank_lines_and_latin1() {
             .chars()
             .map(|c| c as u8)
             .collect();
-        assert_eq!(read(bytes).unwrap().model.flatten().unwrap().corners.len(), 3, "{ends:?}");
+        assert_eq!(
+            read(bytes).unwrap().model.flatten().unwrap().corners.len(),
+            3,
+            "{ends:?}"
+        );
     }
 }
 
