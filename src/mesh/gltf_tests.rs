@@ -490,5 +490,7 @@ fn a_mesh_of_several_nodes_is_one_part_with_as_many_placements() {
         (1, DVec3::ONE),
     ];
     assert_eq!(placed, expected);
-    assert_eq!(loaded.report.normals.stored, 12);
+    // What is squeezed flat has no normals left.
+    let normals = loaded.report.normals;
+    assert_eq!((normals.stored, normals.made), (6, 6));
 }

@@ -157,12 +157,10 @@ fn placed_balls(
     let balls = balls(mesh, triangle);
     let placed = match &place.instance {
         None => balls,
-        Some(instance) => balls.map(|(p, radius)| {
-            (
-                instance.to_scene.transform_point3(p),
-                radius * instance.stretch(),
-            )
-        }),
+        Some(instance) => {
+            let stretch = instance.stretch();
+            balls.map(|(p, radius)| (instance.to_scene.transform_point3(p), radius * stretch))
+        }
     };
     placed.into_iter()
 }
