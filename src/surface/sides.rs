@@ -189,7 +189,7 @@ pub(super) fn sides<S: Scalar>(
 
 /// Three square roots at once.
 #[inline(always)]
-fn roots<S: Scalar>([a, b, c]: [S; 3]) -> [S; 3] {
+pub(super) fn roots<S: Scalar>([a, b, c]: [S; 3]) -> [S; 3] {
     // Of four, for which there is one instruction.
     let [a, b, c, _] = [a, b, c, c].map(
         #[inline(always)]
