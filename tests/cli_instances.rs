@@ -232,10 +232,11 @@ fn instances_make_the_picture_of_copies() {
             let (room, share) = match &name[..] {
                 "R" | "G" | "B" if glass => (0.05, 0.03),
                 "R" | "G" | "B" | "A" => (0.01, 0.005),
+                // The surfaces of the stretched ball differ a little, their normals more.
+                "N.X" | "N.Y" | "N.Z" if !case.contains(&"flat") => (0.03, 0.003),
                 _ => (0.01, 0.003),
             };
             let off = apart(a, b, room);
-            eprintln!("{case:?} {name}: {off:.5}");
             assert!(off <= share, "{case:?}: {off} of {name} are apart");
             let mean = |values: &[f32]| values.iter().sum::<f32>() / values.len() as f32;
             if matches!(&name[..], "R" | "G" | "B" | "A") {

@@ -62,17 +62,17 @@ fn moved(mesh: &Mesh, to_user: &DAffine3) -> Mesh {
     Mesh::new(positions.collect(), Some(normals.collect()), triangles).unwrap()
 }
 
-/// Rays towards the scene's middle from around it.
-fn rays(scene: &Scene, count: usize) -> Vec<UserRay> {
+/// Rays through the neighbourhoods of the placements from around the scene.
+fn rays(scene: &Scene, transforms: &[DAffine3], count: usize) -> Vec<UserRay> {
     let mut random = StdRng::seed_from_u64(7);
     let bounds = scene.bounds();
-    let (middle, size) = (bounds.centre(), bounds.diagonal());
     (0..count)
-        .map(|_| {
+        .map(|n| {
             let mut any = || DVec3::from([0; 3].map(|_| random.random_range(-1.0..1.0)));
-            let (origin, target) = (size * any().normalize(), 0.35 * size * any());
+            let origin = bounds.centre() + bounds.diagonal() * any().normalize();
+            let target = transforms[n % transforms.len()].transform_point3(any());
             UserRay {
-                origin: middle + origin,
+                origin,
                 direction: (target - origin).normalize(),
                 tnear: 0.0,
                 tfar: f64::INFINITY,
@@ -110,24 +110,32 @@ fn instances_are_hit_as_meshes_in_their_places() {
             let lowest = [&instances, &copies]
                 .map(|scene| f64::from(scene.lowest(up)) + scene.origin().dot(up.as_dvec3()));
             assert!((lowest[0] - lowest[1]).abs() < 3e-3, "{lowest:?}");
-            let rays = rays(&instances, 6000);
+            let rays = rays(&instances, &transforms, 6000);
             let ray = |n: usize| rays[n];
             let [one, other] = [&instances, &copies]
                 .map(|scene| answer_rays(scene, &asked(rays.len(), &ray), PacketWidth::One));
+            // The curved surface of a stretched mesh is not quite the stretched curved surface, and the
+            // angular one has creases.
+            let (near, alike, share) = match form {
+                Form::Flat => (1e-4, 0.9999, 1e-3),
+                Form::Curved(options) if options == CurvedOptions::paper() => (1e-2, 0.98, 0.03),
+                Form::Curved(_) => (2e-3, 0.998, 0.01),
+            };
             let (mut met, mut off) = (0, 0);
             for n in 0..rays.len() {
-                // The curved surface of a stretched mesh is not quite the stretched curved surface.
                 let [t, u] = [one.t[n], other.t[n]];
                 let [a, b] = [&one, &other].map(|hits| Vec3::from(hits.ng[n]));
                 let same = t.is_finite() == u.is_finite()
-                    && (!t.is_finite() || (t - u).abs() < 2e-3 && a.dot(b) > 0.998);
+                    && (!t.is_finite() || (t - u).abs() < near && a.dot(b) > alike);
                 met += usize::from(t.is_finite());
                 off += usize::from(!same);
                 assert!(!t.is_finite() || (a.length() - 1.0).abs() < 1e-5);
             }
             assert!(met > 1500, "{met}");
-            let allowed = if form == Form::Flat { 3 } else { met / 50 };
-            assert!(off <= allowed, "{off} of {met}, {form:?}, {offset}");
+            assert!(
+                off as f64 <= share * met as f64,
+                "{off} of {met}, {form:?}, {offset}"
+            );
         }
     }
 }
@@ -139,7 +147,7 @@ fn packets_all_hits_and_occlusion_agree_on_instances() {
     for form in forms() {
         let parts = placed(mesh.clone(), &transforms());
         let scene = Scene::with_filters(&device, parts, form).unwrap();
-        let rays = rays(&scene, 3000);
+        let rays = rays(&scene, &transforms(), 3000);
         let ray = |n: usize| rays[n];
         let asked = asked(rays.len(), &ray);
         let single = answer_rays(&scene, &asked, PacketWidth::One);
@@ -174,7 +182,7 @@ fn shadowed(scene: &Scene, centre: Vec3, radius: f32, distance: f32) -> [usize; 
     let mut random = StdRng::seed_from_u64(3);
     let mut any = || Vec3::from_array([0; 3].map(|_| random.random_range(-1.0..1.0_f32)));
     let mut counts = [0; 2];
-    for n in 0..4000 {
+    for n in 0..1500 {
         let origin = centre + distance * radius * any().normalize();
         let target = centre + 0.5 * radius * any();
         let ray = Ray::new(origin, (target - origin).normalize());
@@ -190,11 +198,11 @@ fn shadowed(scene: &Scene, centre: Vec3, radius: f32, distance: f32) -> [usize; 
             outwards = (outwards - 0.999 * normal.dot(outwards) * normal).normalize();
         }
         let start = scene.leaving_point(&hit, &ray, normal);
-        let again = scene
-            .tree()
-            .occluded1(&Ray::new(start, outwards), &QueryOptions::default());
+        let next = Ray::new(start, outwards);
+        let next = scene.tree().intersect1(&next, &QueryOptions::default());
         counts[0] += 1;
-        counts[1] += usize::from(again);
+        // The other one is met from time to time.
+        counts[1] += usize::from(next.is_some_and(|next| next.inst_id == hit.inst_id));
     }
     counts
 }
@@ -218,7 +226,7 @@ fn a_convex_instance_does_not_shadow_itself() {
                     let centre = (moved.translation - scene.origin()).as_vec3();
                     for distance in [2.0, 50.0] {
                         let [hits, again] = shadowed(&scene, centre, scale as f32, distance);
-                        assert!(hits > 400, "{hits} hits are too few to tell");
+                        assert!(hits > 150, "{hits} hits are too few to tell");
                         assert_eq!(
                             again, 0,
                             "of {hits}: {form:?}, {scale}, {offset}, {transform:?}, {distance}"
