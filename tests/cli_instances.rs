@@ -151,11 +151,10 @@ fn channels(path: &str) -> Vec<(String, Vec<f32>)> {
 /// The share of values that are further apart than this.
 fn apart(a: &[f32], b: &[f32], room: f32) -> f64 {
     assert_eq!(a.len(), b.len());
-    // Infinite depths are the same.
-    let off = a
-        .iter()
-        .zip(b)
-        .filter(|(a, b)| a != b && !((*a - *b).abs() <= room));
+    // Infinite depths are the same as each other, and not a number is off.
+    let is_off =
+        |a: f32, b: f32| a != b && (a - b).abs().partial_cmp(&room).is_none_or(|o| o.is_gt());
+    let off = a.iter().zip(b).filter(|&(&a, &b)| is_off(a, b));
     off.count() as f64 / a.len() as f64
 }
 
