@@ -85,4 +85,9 @@ fn assert_usable(scenery: &Scenery) {
         assert!(camera.forward.is_normalized() && camera.up.is_normalized());
         assert!(camera.fov_degrees > 0.0 && camera.fov_degrees < 180.0);
     }
+    for lamp in &scenery.lamps {
+        assert!(lamp.position.is_finite() && lamp.intensity.is_finite());
+        assert!(lamp.intensity.min_element() >= 0.0 && lamp.intensity.max_element() > 0.0);
+        assert!(lamp.range.is_none_or(|range| range > 0.0));
+    }
 }

@@ -2,7 +2,10 @@
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use curvetri::render::{Background, Ground, Lighting, Scene, Shading, SphereLight, UpAxis};
+use curvetri::mesh::{Bounds, FileCone, FileLamp, Scenery};
+use curvetri::render::{
+    Background, Cone, Ground, Lighting, PointLight, Scene, Shading, SphereLight, UpAxis,
+};
 use glam::DVec3;
 
 use super::{usage, values};
@@ -15,9 +18,15 @@ pub struct LightArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
     sun_direction: Option<DVec3>,
 
-    /// Brightness of the sun, as a factor
+    /// Brightness of the sun, as a factor [default: 1, or 0 where the files have point or spot lights
+    /// and no sun, and no --sun-direction is given]
+    #[arg(long, value_name = "FACTOR", value_parser = values::brightness)]
+    sun: Option<f32>,
+
+    /// Brightness of the files' point and spot lights, as a factor: at 1 they light the meshes'
+    /// middle, all together, as the sun does; 0 leaves them out
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = values::brightness)]
-    sun: f32,
+    file_lights: f32,
 
     /// Brightness of the sky, as a factor
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = values::brightness)]
@@ -81,11 +90,16 @@ impl LightArgs {
         Ok(())
     }
 
-    /// The lights of a scene whose files have these suns.
-    pub fn lighting(&self, up: UpAxis, scene: &Scene, suns: &[DVec3]) -> Lighting {
+    /// The lights of a scene whose files have these.
+    pub fn lighting(&self, up: UpAxis, scene: &Scene, scenery: &Scenery) -> Lighting {
         let mut lighting = Lighting::daylight(up);
-        if let Some(direction) = self.sun_direction.or(suns.first().copied()) {
+        let towards_sun = self.sun_direction.or(scenery.suns.first().copied());
+        if let Some(direction) = towards_sun {
             lighting.towards_sun = direction.as_vec3().normalize();
+        }
+        if self.file_lights > 0.0 {
+            let brightness = self.file_lights * lighting.sun.element_sum() / 3.0;
+            lighting.points = points(&scenery.lamps, scene.bounds(), brightness.into());
         }
         lighting.lamp = self.area_light.map(|(centre, radius)| {
             // A ball at a distance gives (radius / distance)^2 of its radiance.
@@ -97,7 +111,8 @@ impl LightArgs {
                 radiance: gain * lighting.sun,
             }
         });
-        lighting.sun *= self.sun;
+        let lit = !lighting.points.is_empty() && towards_sun.is_none();
+        lighting.sun *= self.sun.unwrap_or(if lit { 0.0 } else { 1.0 });
         lighting.sky.above *= self.sky;
         lighting.sky.below *= self.sky;
         lighting.sky.checker = self.sky_checker;
@@ -133,5 +148,60 @@ impl LightArgs {
         } else {
             Background::default()
         }
+    }
+}
+
+/// Lights nearer to the meshes' middle than this share of their bounds' diagonal count as if they were
+/// there: they are among the meshes, and none lies in their middle.
+const NEAR: f64 = 0.25;
+
+/// The lights of files. Their intensities keep their relation to each other; all together they light
+/// the middle of the bounds, each as if it faced it and nothing was between, by `brightness`: a white
+/// surface's radiance.
+fn points(lamps: &[FileLamp], bounds: &Bounds, brightness: f64) -> Vec<PointLight> {
+    let light = |lamp: &FileLamp| {
+        let distance = lamp.position.distance(bounds.centre());
+        let distance = distance.max(NEAR * bounds.diagonal());
+        lamp.intensity.element_sum() / 3.0 / (distance * distance)
+    };
+    let gain = brightness / lamps.iter().map(light).sum::<f64>();
+    let cone = |cone: FileCone| Cone {
+        axis: cone.axis.as_vec3(),
+        cosines: cone.angles.map(|angle| angle.cos() as f32),
+    };
+    let point = |lamp: &FileLamp| PointLight {
+        position: lamp.position,
+        intensity: (gain * lamp.intensity).as_vec3(),
+        range: lamp.range.unwrap_or(f64::INFINITY),
+        cone: lamp.cone.map(cone),
+    };
+    lamps.iter().map(point).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lights_of_files_keep_their_relations_and_light_the_middle_together() {
+        let lamp = |x: f64, candela: f64| FileLamp {
+            position: DVec3::new(x, 0.0, 0.0),
+            intensity: DVec3::splat(candela),
+            range: None,
+            cone: None,
+        };
+        let bounds = Bounds {
+            min: DVec3::NEG_ONE,
+            max: DVec3::ONE,
+        };
+        let at = |lights: &[PointLight], n: usize, distance: f32| {
+            lights[n].intensity.x / (distance * distance)
+        };
+        let lights = points(&[lamp(10.0, 3e5), lamp(-5.0, 1e5)], &bounds, 0.9);
+        assert!((lights[0].intensity.x / lights[1].intensity.x - 3.0).abs() < 1e-5);
+        assert!((at(&lights, 0, 10.0) + at(&lights, 1, 5.0) - 0.9).abs() < 1e-5);
+        // One in the middle itself does not blind.
+        let lights = points(&[lamp(0.0, 7.0)], &bounds, 0.9);
+        assert!((at(&lights, 0, 12_f32.sqrt() / 4.0) - 0.9).abs() < 1e-5);
     }
 }

@@ -56,7 +56,7 @@ pub fn paint(scene: &Scene, file: &Path, up: UpAxis, console: &Console) -> Resul
     let seen = aovs(scene, &picture)?;
     film.tint(|pixel| match seen.primitive[pixel] {
         NO_PRIMITIVE => Vec3::ONE,
-        triangle => match &scene.shapes()[seen.mesh[pixel] as usize] {
+        triangle => match scene.shape_at(seen.mesh[pixel]) {
             Shape::Curved(mesh) => colour(mesh.kind(triangle)),
             Shape::Flat(_) => colour(PatchKind::Flat(FlatReason::Asked)),
         },

@@ -93,12 +93,12 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
     let device = device(args.threads)?;
     let (film, stats) = on_threads(args.threads, || {
         let start = Instant::now();
-        let (meshes, scenery) = args.surface.load_all(&args.meshes, console)?;
+        let (parts, scenery) = args.surface.load_all(&args.meshes, console)?;
         let load = start.elapsed();
         args.view.file_camera(&scenery.cameras)?;
         let output = OutputFile::create(&args.output)?;
         let bar = console.spinner("building");
-        let scene = Scene::new(&device, meshes, form).context("cannot build the scene")?;
+        let scene = Scene::new(&device, parts, form).context("cannot build the scene")?;
         bar.finish_and_clear();
         let picture = args.picture(&scene, &scenery)?;
         let (film, mut stats) = traced(&scene, &picture, console)?;
@@ -185,7 +185,7 @@ impl RenderArgs {
 
     fn picture(&self, scene: &Scene, scenery: &Scenery) -> Result<Picture> {
         let [width, height] = self.size()?;
-        let lighting = (self.light).lighting(self.view.up(), scene, &scenery.suns);
+        let lighting = (self.light).lighting(self.view.up(), scene, scenery);
         let ground = self.light.ground();
         let shadows_of = (ground == Ground::Plane).then_some(lighting.towards_sun);
         let aspect = width as f64 / height as f64;

@@ -18,6 +18,9 @@ pub fn text(stats: &RenderStats, device: &Device) -> String {
         "triangles",
         format!("{total} ({})", counts(&stats.triangles.named())),
     );
+    if stats.instances > 0 {
+        line("instances", stats.instances.to_string());
+    }
     let spheres = stats.spheres.total();
     if spheres > 0 {
         let by_kind = counts(&stats.spheres.named());
@@ -70,6 +73,7 @@ pub fn json(stats: &RenderStats, device: &Device) -> String {
     let times = named_times(stats).map(|(name, time)| (name, time.as_secs_f64()));
     let value = json!({
         "triangles": triangles,
+        "instances": stats.instances,
         "spheres": Map::from_iter(
             stats.spheres.named().map(|(name, count)| (name.to_owned(), json!(count))),
         ),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use curvetri::curved::{CurvedOptions, Primitives};
-use curvetri::mesh::{self, LoadOptions, Loaded, Mesh, NormalsPolicy, Scenery};
+use curvetri::mesh::{self, LoadOptions, Loaded, Mesh, NormalsPolicy, Parts, Scenery};
 use curvetri::render::Form;
 use curvetri::surface::{BoundsKind, Solver, Surface};
 
@@ -189,38 +189,54 @@ impl SurfaceArgs {
         Ok(loaded)
     }
 
-    /// Reads meshes, and what else their files have; tells what was odd.
-    pub fn load_all(&self, paths: &[PathBuf], console: &Console) -> Result<(Vec<Mesh>, Scenery)> {
-        let (mut meshes, mut scenery) = (Vec::new(), Scenery::default());
+    /// Reads meshes, and what else their files have; tells what was odd. What a file uses several
+    /// times stays apart.
+    pub fn load_all(&self, paths: &[PathBuf], console: &Console) -> Result<(Parts, Scenery)> {
+        let (mut parts, mut scenery) = (Parts::default(), Scenery::default());
         for path in paths {
-            let loaded = self.load(path, console)?;
-            meshes.push(loaded.mesh);
-            scenery.cameras.extend(loaded.scenery.cameras);
-            scenery.suns.extend(loaded.scenery.suns);
+            let bar = console.progress("reading", 1000);
+            let told = |share| bar.set_position((1000.0 * share) as u64);
+            let loaded = mesh::load_parts(path, &self.load_options(), &told)?;
+            bar.finish_and_clear();
+            for mesh in &loaded.parts.meshes {
+                Self::note(path, mesh, console);
+            }
+            for warning in &loaded.report.warnings {
+                console.warn(&format!("{}: {warning}", path.display()));
+            }
+            parts.append(loaded.parts);
+            scenery.append(loaded.scenery);
         }
-        Ok((meshes, scenery))
+        Ok((parts, scenery))
     }
 
     /// Reads a mesh, with what was odd about it.
     pub fn read(&self, path: &Path, console: &Console) -> Result<Loaded> {
-        let options = LoadOptions {
+        let bar = console.progress("reading", 1000);
+        let told = |share| bar.set_position((1000.0 * share) as u64);
+        let loaded = mesh::load_watched(path, &self.load_options(), &told)?;
+        bar.finish_and_clear();
+        Self::note(path, &loaded.mesh, console);
+        Ok(loaded)
+    }
+
+    fn load_options(&self) -> LoadOptions {
+        LoadOptions {
             crease_angle_degrees: self.crease_angle,
             normals: match self.normals {
                 NormalsChoice::Stored => NormalsPolicy::Stored,
                 NormalsChoice::Smooth => NormalsPolicy::Smooth,
                 NormalsChoice::Auto => NormalsPolicy::Auto,
             },
-        };
-        let bar = console.progress("reading", 1000);
-        let told = |share| bar.set_position((1000.0 * share) as u64);
-        let loaded = mesh::load_watched(path, &options, &told)?;
-        bar.finish_and_clear();
+        }
+    }
+
+    fn note(path: &Path, mesh: &Mesh, console: &Console) {
         console.note(&format!(
             "{}: {} triangles, {} vertices",
             path.display(),
-            loaded.mesh.triangles().len(),
-            loaded.mesh.positions().len()
+            mesh.triangles().len(),
+            mesh.positions().len()
         ));
-        Ok(loaded)
     }
 }

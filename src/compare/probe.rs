@@ -124,7 +124,7 @@ impl Probing<'_> {
                 continue;
             };
             let ray = packet.ray(lane);
-            let unit = hit.ng.normalize_or_zero();
+            let unit = self.scene.normal(&hit);
             let geometric = if unit.dot(ray.direction) > 0.0 {
                 -unit
             } else {

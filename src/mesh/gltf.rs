@@ -1,7 +1,6 @@
 //! Reads glTF 2.0 files, JSON and binary.
 //!
-//! The file's meshes and where its scene puts them are read first, so that a mesh used several
-//! times is read once; then all are flattened into one mesh in the space of the scene.
+//! A mesh used several times is read once; the model tells where its scene puts them.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -11,12 +10,12 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use gltf::json::{self, Index, Node, Root};
 
-use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use glam::{DAffine3, DMat4, DQuat, DVec3};
 
-use super::error::{Fault, MAX_INDICES};
+use super::error::Fault;
 use super::gltf_buffers::Buffers;
-use super::scenery::Scenery;
-use super::{LoadReport, MeshError, NO_NORMAL, Parsed, RawMesh, gltf_scenery};
+use super::model::Model;
+use super::{LoadReport, NO_NORMAL, Parsed, Placement, RawMesh, gltf_scenery};
 
 /// Extensions that say nothing of the surface's shape, or nothing that is not read.
 const HARMLESS: [&str; 10] = [
@@ -32,23 +31,6 @@ const HARMLESS: [&str; 10] = [
     "ADOBE_materials_",
 ];
 
-/// The most triangles that uses of the same mesh may add up to.
-const MAX_FLATTENED: u64 = 50_000_000;
-
-/// Meshes and where they are put.
-struct Model {
-    parts: Vec<RawMesh>,
-    instances: Vec<Instance>,
-    scenery: Scenery,
-    report: LoadReport,
-}
-
-/// One use of a mesh.
-struct Instance {
-    part: usize,
-    to_scene: DAffine3,
-}
-
 /// Reads a glTF file, JSON or binary; `path` is for the files it names.
 pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Parsed, Fault> {
     let (json, binary) = split(bytes)?;
@@ -59,8 +41,7 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Parsed, Fault> {
             _ => Fault::Content(what),
         }
     })?;
-    let model = read_model(&root, binary, path).map_err(Fault::Content)?;
-    flatten(model)
+    read_model(&root, binary, path).map_err(Fault::Content)
 }
 
 /// A part of the file.
@@ -81,19 +62,15 @@ fn split(bytes: &[u8]) -> Result<(Chunk<'_>, Option<Chunk<'_>>), Fault> {
     Ok((glb.json, glb.bin))
 }
 
-fn read_model(root: &Root, binary: Option<Cow<'_, [u8]>>, path: &Path) -> Result<Model, String> {
+fn read_model(root: &Root, binary: Option<Cow<'_, [u8]>>, path: &Path) -> Result<Parsed, String> {
     let mut report = LoadReport::default();
     check_extensions(root, &mut report)?;
     let mut buffers = Buffers::load(root, binary, path)?;
     let nodes = place_nodes(root)?;
-    let mut model = Model {
-        parts: Vec::new(),
-        instances: Vec::new(),
-        scenery: gltf_scenery::read(root, &nodes, &mut report)?,
-        report,
-    };
+    let scenery = gltf_scenery::read(root, &nodes, &mut report)?;
+    let mut model = Model::default();
     let mut part_of: HashMap<Shape, usize> = HashMap::new();
-    for &(node, to_scene) in &nodes {
+    for &(node, to_user) in &nodes {
         let Some(index) = root.nodes[node].mesh else {
             continue;
         };
@@ -103,16 +80,20 @@ fn read_model(root: &Root, binary: Option<Cow<'_, [u8]>>, path: &Path) -> Result
         let part = match part_of.get(&shape) {
             Some(&part) => part,
             None => {
-                let part = read_mesh(index.value(), mesh, &mut buffers, &mut model.report)?;
+                let part = read_mesh(index.value(), mesh, &mut buffers, &mut report)?;
                 model.parts.push(part);
                 part_of.insert(shape, model.parts.len() - 1);
                 model.parts.len() - 1
             }
         };
-        model.instances.push(Instance { part, to_scene });
+        model.uses.push(Placement { part, to_user });
     }
-    warn_of_poses(root, &nodes, &mut model.report);
-    Ok(model)
+    warn_of_poses(root, &nodes, &mut report);
+    Ok(Parsed {
+        model,
+        scenery,
+        report,
+    })
 }
 
 fn check_extensions(root: &Root, report: &mut LoadReport) -> Result<(), String> {
@@ -387,87 +368,6 @@ fn triangles(mode: Mode, order: &[u32]) -> Vec<[u32; 3]> {
             .map(|w| [order[0], w[0], w[1]])
             .collect(),
         _ => order.as_chunks::<3>().0.to_vec(),
-    }
-}
-
-/// Puts all uses of all meshes into one.
-fn flatten(model: Model) -> Result<Parsed, Fault> {
-    let size = |part: usize| model.parts[part].corners.len() as u64;
-    let total: u64 = model.instances.iter().map(|i| size(i.part)).sum();
-    let own: u64 = (0..model.parts.len()).map(size).sum();
-    if 3 * total > MAX_INDICES {
-        return Err(MeshError::TooManyIndices { indices: 3 * total }.into());
-    }
-    if total > own.max(MAX_FLATTENED) {
-        return Err(Fault::Content(format!(
-            "its copies of meshes add up to {total} triangles, but at most {MAX_FLATTENED} are read"
-        )));
-    }
-    let mut raw = RawMesh::default();
-    let mut normal_corners = Vec::new();
-    for instance in &model.instances {
-        let part = &model.parts[instance.part];
-        let vertices = raw.positions.len() + part.positions.len();
-        if u32::try_from(vertices.max(raw.normals.len() + part.normals.len())).is_err() {
-            return Err(Fault::Content("the mesh has too many vertices".into()));
-        }
-        append_instance(part, instance.to_scene, &mut raw, &mut normal_corners);
-    }
-    raw.normal_corners = (!raw.normals.is_empty()).then_some(normal_corners);
-    Ok(Parsed {
-        scenery: model.scenery,
-        ..Parsed::new(raw, model.report)
-    })
-}
-
-fn append_instance(
-    part: &RawMesh,
-    to_scene: DAffine3,
-    raw: &mut RawMesh,
-    normal_corners: &mut Vec<[u32; 3]>,
-) {
-    let linear = to_scene.matrix3;
-    let mirrored = linear.determinant() < 0.0;
-    // The front stays the front: a mirrored triangle winds the other way.
-    let wind = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
-    let [first, first_normal] = [raw.positions.len(), raw.normals.len()].map(|n| n as u32);
-    let positions = part.positions.iter().map(|&p| to_scene.transform_point3(p));
-    raw.positions.extend(positions);
-    let turn = normal_matrix(linear);
-    raw.normals
-        .extend(part.normals.iter().map(|&n| turn_normal(turn, n)));
-    let corners = part.corners.iter().map(|t| wind(t.map(|v| first + v)));
-    raw.corners.extend(corners);
-    match &part.normal_corners {
-        Some(corners) => normal_corners.extend(
-            corners
-                .iter()
-                .map(|t| wind(t.map(|n| if n == NO_NORMAL { n } else { first_normal + n }))),
-        ),
-        None => normal_corners.resize(raw.corners.len(), [NO_NORMAL; 3]),
-    }
-}
-
-/// The matrix of cofactors, turned so that fronts stay fronts: it is the inverse's transpose up to
-/// a positive factor, and exists where that does not.
-fn normal_matrix(m: DMat3) -> DMat3 {
-    let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis];
-    let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
-    if m.determinant() < 0.0 {
-        -cofactors
-    } else {
-        cofactors
-    }
-}
-
-/// A normal under a normal matrix, as long as it was: its length is checked later.
-fn turn_normal(turn: DMat3, normal: DVec3) -> DVec3 {
-    let turned = turn * normal;
-    let length = turned.length();
-    if length > 0.0 {
-        turned * (normal.length() / length)
-    } else {
-        DVec3::ZERO
     }
 }
 

@@ -1,18 +1,21 @@
 //! The cameras and lights of a glTF file's scene.
 
+use std::f64::consts::FRAC_PI_2;
+
 use glam::{DAffine3, DVec3};
 use gltf::json::camera::Type as CameraType;
-use gltf::json::extensions::scene::khr_lights_punctual::Type as LightType;
+use gltf::json::extensions::scene::khr_lights_punctual::{Light, Type as LightType};
 use gltf::json::validation::Checked;
 use gltf::json::{Node, Root};
 
 use super::LoadReport;
-use super::scenery::{FileCamera, Scenery};
+use super::error::MAX_COORDINATE;
+use super::scenery::{FileCamera, FileCone, FileLamp, Scenery};
 
 /// How many characters of a camera's name are kept: many nodes may carry one camera.
 const LONGEST_NAME: usize = 128;
 
-/// Reads the cameras and the infinitely far lights of the nodes; the others are told of.
+/// Reads the cameras and lights of the nodes; what cannot be used is told of.
 pub(super) fn read(
     root: &Root,
     nodes: &[(usize, DAffine3)],
@@ -28,16 +31,12 @@ pub(super) fn read(
                 None => other_cameras += 1,
             }
         }
-        match light(root, node)? {
-            // It shines along its own negative z axis.
-            Some(Checked::Valid(LightType::Directional)) => {
-                let towards = to_scene.matrix3.z_axis.try_normalize();
-                scenery
-                    .suns
-                    .extend(towards.filter(|towards| towards.is_finite()));
+        if let Some(light) = light(root, node)? {
+            match usable(light, to_scene) {
+                Some(Usable::Sun(towards)) => scenery.suns.push(towards),
+                Some(Usable::Lamp(lamp)) => scenery.lamps.push(lamp),
+                None => other_lights += 1,
             }
-            Some(_) => other_lights += 1,
-            None => {}
         }
     }
     if other_cameras > 0 {
@@ -47,7 +46,7 @@ pub(super) fn read(
     }
     if other_lights > 0 {
         report.warnings.push(format!(
-            "{other_lights} point or spot lights are not used; only directional ones are"
+            "{other_lights} lights are of an unknown type, dark, or degenerate, and are not used"
         ));
     }
     Ok(scenery)
@@ -85,8 +84,8 @@ fn camera(root: &Root, node: &Node, to_scene: DAffine3) -> Result<Option<FileCam
     }))
 }
 
-/// The type of a node's light.
-fn light(root: &Root, node: &Node) -> Result<Option<Checked<LightType>>, String> {
+/// A node's light.
+fn light<'a>(root: &'a Root, node: &Node) -> Result<Option<&'a Light>, String> {
     let extension = node.extensions.as_ref();
     let Some(light) = extension.and_then(|e| e.khr_lights_punctual.as_ref()) else {
         return Ok(None);
@@ -96,5 +95,53 @@ fn light(root: &Root, node: &Node) -> Result<Option<Checked<LightType>>, String>
     let index = light.light.value();
     let light = lights.and_then(|lights| lights.lights.get(index));
     let light = light.ok_or_else(|| format!("there is no light {index}"))?;
-    Ok(Some(light.type_))
+    Ok(Some(light))
+}
+
+/// A light that can be used.
+enum Usable {
+    /// The direction towards it.
+    Sun(DVec3),
+    Lamp(FileLamp),
+}
+
+/// The light where a node puts it: it shines along its own negative z axis. Scales do not change it.
+fn usable(light: &Light, to_scene: DAffine3) -> Option<Usable> {
+    let towards = to_scene.matrix3.z_axis.try_normalize();
+    let towards = towards.filter(|towards| towards.is_finite());
+    let type_ = match light.type_ {
+        Checked::Valid(type_) => type_,
+        Checked::Invalid => return None,
+    };
+    let cone = match type_ {
+        LightType::Directional => return towards.map(Usable::Sun),
+        LightType::Point => None,
+        LightType::Spot => Some(cone(light, -towards?)?),
+    };
+    let colour = DVec3::from(light.color.map(f64::from)).max(DVec3::ZERO);
+    let lamp = FileLamp {
+        position: to_scene.translation,
+        intensity: f64::from(light.intensity) * colour,
+        range: light.range.map(f64::from),
+        cone,
+    };
+    let shines = lamp.intensity.is_finite() && lamp.intensity.max_element() > 0.0;
+    let has_range = lamp.range.is_none_or(|range| range > 0.0);
+    let near = lamp.position.abs().max_element() <= MAX_COORDINATE;
+    (shines && light.intensity > 0.0 && has_range && near).then_some(Usable::Lamp(lamp))
+}
+
+/// A spot light's cone, if its angles are such as the extension allows.
+fn cone(light: &Light, axis: DVec3) -> Option<FileCone> {
+    let angles = match &light.spot {
+        Some(spot) => [spot.inner_cone_angle, spot.outer_cone_angle],
+        None => [0.0, std::f32::consts::FRAC_PI_4],
+    };
+    let [inner, outer] = angles.map(f64::from);
+    // A right angle in single precision is a little more than one.
+    let usable = inner >= 0.0 && inner < outer && outer < FRAC_PI_2 + 1e-6;
+    usable.then_some(FileCone {
+        axis,
+        angles: [inner, outer].map(|angle| angle.min(FRAC_PI_2)),
+    })
 }

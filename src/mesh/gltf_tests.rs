@@ -3,7 +3,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::mesh::mangle::{check, mangled};
-use crate::mesh::{LoadOptions, Loaded, load_bytes};
+use crate::mesh::{LoadOptions, Loaded, load_bytes, load_parts_bytes};
 
 /// A buffer of numbers and the views into it.
 #[derive(Default)]
@@ -349,38 +349,6 @@ fn wrong_buffers_json_and_extensions_are_refused() {
 }
 
 #[test]
-fn copies_that_add_up_to_too_much_are_refused() {
-    let part = RawMesh {
-        corners: vec![[0, 1, 2]; 1000],
-        ..RawMesh::default()
-    };
-    let instance = || Instance {
-        part: 0,
-        to_scene: DAffine3::IDENTITY,
-    };
-    let flat = |copies: usize| {
-        flatten(Model {
-            scenery: Scenery::default(),
-            parts: vec![part.clone()],
-            instances: (0..copies).map(|_| instance()).collect(),
-            report: LoadReport::default(),
-        })
-    };
-    assert_eq!(flat(3).unwrap().raw.corners.len(), 3000);
-    let Err(Fault::Content(what)) = flat(50_001) else {
-        panic!("fifty million triangles are the most");
-    };
-    assert!(
-        what.starts_with("its copies of meshes add up to 50001000"),
-        "{what}"
-    );
-    assert!(matches!(
-        flat(1_000_000),
-        Err(Fault::Mesh(MeshError::TooManyIndices { .. }))
-    ));
-}
-
-#[test]
 fn skins_and_morphs_are_told() {
     let nodes = "{\"mesh\":0,\"skin\":0,\"weights\":[0,0.5]}";
     let warnings = loaded(&primitive(2), nodes).report.warnings;
@@ -423,7 +391,7 @@ fn cameras_and_the_sun_stand_where_their_nodes_put_them() {
         "{\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0.7853982,\"znear\":0.1}},\
          {\"type\":\"orthographic\",\"orthographic\":{\"xmag\":1,\"ymag\":1,\"zfar\":9,\"znear\":0}}],\
          \"extensionsUsed\":[\"KHR_lights_punctual\"],\"extensions\":{\"KHR_lights_punctual\":\
-         {\"lights\":[{\"type\":\"directional\"},{\"type\":\"point\"}]}},",
+         {\"lights\":[{\"type\":\"directional\"},{\"type\":\"point\",\"intensity\":0}]}},",
         1,
     );
     let loaded = load_text(&text).unwrap();
@@ -440,7 +408,7 @@ fn cameras_and_the_sun_stand_where_their_nodes_put_them() {
         loaded.report.warnings,
         [
             "1 cameras are not perspective ones, or degenerate, and are not used",
-            "1 point or spot lights are not used; only directional ones are"
+            "1 lights are of an unknown type, dark, or degenerate, and are not used"
         ]
     );
     let absent = text.replace("\"light\":1", "\"light\":7");
@@ -462,4 +430,67 @@ fn a_long_name_of_a_camera_is_not_kept_once_a_node() {
     let cameras = load_text(&text.replacen('{', &camera, 1)).unwrap().scenery;
     let lengths = cameras.cameras.iter().map(|c| c.name.chars().count());
     assert_eq!(lengths.collect::<Vec<_>>(), [128; 300]);
+}
+
+#[test]
+fn lights_at_a_point_keep_their_intensity_range_and_cone() {
+    // A quarter turn around x: what shone along -z shines along y. Scales change neither.
+    let turn = "\"rotation\":[0.7071068,0,0,0.7071068],\"scale\":[3,3,3]";
+    let light = |n: u32| format!("\"extensions\":{{\"KHR_lights_punctual\":{{\"light\":{n}}}}}");
+    let nodes = format!(
+        "{{\"mesh\":0,\"children\":[1,2]}},{{\"translation\":[1,2,3],{}}},{{{},{turn}}},{{{}}}",
+        light(0),
+        light(1),
+        light(2)
+    );
+    let text = json(&data(), ACCESSORS, &primitive(3), &nodes, true);
+    let text = text.replacen(
+        '{',
+        "{\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[\
+         {\"type\":\"point\",\"color\":[1,0.5,0],\"intensity\":8},\
+         {\"type\":\"spot\",\"range\":5,\"spot\":{\"innerConeAngle\":0.5,\
+         \"outerConeAngle\":1.5707964}},\
+         {\"type\":\"spot\",\"spot\":{\"innerConeAngle\":1,\"outerConeAngle\":0.5}}]}},",
+        1,
+    );
+    let loaded = load_text(&text).unwrap();
+    let [point, spot] = loaded.scenery.lamps[..] else {
+        panic!("{:?}", loaded.scenery);
+    };
+    assert_eq!(point.position, DVec3::new(1.0, 2.0, 3.0));
+    assert_eq!(point.intensity, DVec3::new(8.0, 4.0, 0.0));
+    assert_eq!((point.range, point.cone), (None, None));
+    assert_eq!((spot.intensity, spot.range), (DVec3::ONE, Some(5.0)));
+    let cone = spot.cone.unwrap();
+    assert!(cone.axis.distance(DVec3::Y) < 1e-6, "{}", cone.axis);
+    assert_eq!(cone.angles, [0.5, std::f64::consts::FRAC_PI_2]);
+    assert_eq!(loaded.report.warnings.len(), 1, "the third has no cone");
+}
+
+#[test]
+fn a_mesh_of_several_nodes_is_one_part_with_as_many_placements() {
+    let nodes = "{\"children\":[1],\"scale\":[2,-1,1]},{\"mesh\":0,\"translation\":[0,0,5]},\
+                 {\"mesh\":0},{\"mesh\":0,\"scale\":[1,0,1]}";
+    let text = json(&data(), ACCESSORS, &primitive(2), nodes, true).into_bytes();
+    let options = LoadOptions::default();
+    let loaded = load_parts_bytes(text, "x.gltf".as_ref(), &options, &|_| {}).unwrap();
+    let triangles = |mesh: &crate::mesh::Mesh| mesh.triangles().len();
+    let sizes: Vec<_> = loaded.parts.meshes.iter().map(triangles).collect();
+    assert_eq!(
+        sizes,
+        [2, 2],
+        "what is squeezed flat is a copy, the first part"
+    );
+    let placed: Vec<_> = (loaded.parts.placements.iter())
+        .map(|p| (p.part, p.to_user.transform_point3(DVec3::ONE)))
+        .collect();
+    let expected = [
+        (0, DVec3::ONE),
+        (1, DVec3::new(2.0, -1.0, 6.0)),
+        (1, DVec3::ONE),
+    ];
+    assert_eq!(placed, expected);
+    // What is squeezed flat has no normals left.
+    let normals = loaded.report.normals;
+    assert_eq!((normals.stored, normals.made), (6, 6));
 }

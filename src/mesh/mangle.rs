@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 
-use super::{LoadOptions, load_bytes};
+use super::{LoadOptions, load_bytes, load_parts_bytes};
 
 /// One of the files with some bytes and digits changed, and perhaps cut off.
 pub(super) fn mangled(files: Vec<Vec<u8>>) -> impl Strategy<Value = Vec<u8>> {
@@ -33,7 +33,15 @@ pub(super) fn mangled(files: Vec<Vec<u8>>) -> impl Strategy<Value = Vec<u8>> {
 
 /// Reads a file: an error names it, and a mesh is sound.
 pub(super) fn check(file: Vec<u8>) -> Result<(), TestCaseError> {
-    match load_bytes(file, "damaged", &LoadOptions::default()) {
+    let options = LoadOptions::default();
+    let parts = load_parts_bytes(file.clone(), "damaged".as_ref(), &options, &|_| {});
+    let whole = load_bytes(file, "damaged", &options);
+    prop_assert_eq!(parts.is_ok(), whole.is_ok());
+    if let (Ok(parts), Ok(whole)) = (parts, &whole) {
+        prop_assert_eq!(parts.parts.triangles(), whole.mesh.triangles().len());
+        prop_assert_eq!(parts.scenery, whole.scenery.clone());
+    }
+    match whole {
         Err(error) => prop_assert!(error.to_string().starts_with("damaged:"), "{error}"),
         Ok(loaded) => {
             let mesh = loaded.mesh;

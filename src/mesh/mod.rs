@@ -1,7 +1,7 @@
 //! Triangle meshes: reading files, vertex normals, which triangles share a side.
 //!
 //! [`load`] reads a file (OBJ, PLY, STL, OFF, glTF) into a [`Loaded`]: a [`Mesh`] and what was met
-//! on the way. Every reader makes a [`RawMesh`] of what its file says; [`RawMesh::into_mesh`] checks it, makes missing
+//! on the way; [`load_parts`] keeps meshes that a glTF file uses several times apart. Every reader makes a [`RawMesh`] of what its file says; [`RawMesh::into_mesh`] checks it, makes missing
 //! normals and merges corners into vertices. [`Topology`] then tells which triangles share a side
 //! and how.
 
@@ -18,12 +18,14 @@ mod input;
 mod junctions;
 #[cfg(test)]
 mod mangle;
+mod model;
 mod normals;
 mod obj;
 mod obj_chunk;
 mod obj_text;
 mod obj_write;
 mod off;
+mod parts;
 mod ply;
 mod ply_body;
 mod polygon;
@@ -38,14 +40,17 @@ mod weld;
 
 use std::path::Path;
 
+use error::Fault;
 use format::Format;
+use model::Model;
 
 pub use error::{LoadError, MAX_COORDINATE, MAX_INDICES, MeshError};
 pub use junctions::t_junctions;
 pub use normals::{NormalsPolicy, NormalsReport};
 pub use obj_write::{obj_text, write_obj};
+pub use parts::{Parts, Placement};
 pub use raw::{NO_NORMAL, RawMesh};
-pub use scenery::{FileCamera, Scenery};
+pub use scenery::{FileCamera, FileCone, FileLamp, Scenery};
 pub use topology::{NO_TRIANGLE, SideKind, Topology, TopologyCounts};
 pub use triangle_mesh::{Bounds, Mesh};
 pub(crate) use weld::weld;
@@ -80,6 +85,17 @@ pub struct Loaded {
     pub report: LoadReport,
 }
 
+/// Meshes apart from where they are used, and what was met while reading them.
+#[derive(Debug, Clone)]
+pub struct LoadedParts {
+    /// The meshes and their uses.
+    pub parts: Parts,
+    /// Cameras and lights beside them.
+    pub scenery: Scenery,
+    /// What was met; a mesh counts once, however often it is used.
+    pub report: LoadReport,
+}
+
 /// What was met in a file.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct LoadReport {
@@ -104,7 +120,7 @@ const READING: f32 = 0.6;
 /// What a reader makes of a file.
 #[derive(Debug)]
 struct Parsed {
-    raw: RawMesh,
+    model: Model,
     scenery: Scenery,
     report: LoadReport,
 }
@@ -113,7 +129,7 @@ impl Parsed {
     /// Nothing but a mesh.
     fn new(raw: RawMesh, report: LoadReport) -> Parsed {
         Parsed {
-            raw,
+            model: raw.into(),
             scenery: Scenery::default(),
             report,
         }
@@ -142,19 +158,12 @@ pub fn load_watched(
     options: &LoadOptions,
     progress: Progress<'_>,
 ) -> Result<Loaded, LoadError> {
-    let path = path.as_ref();
-    let bytes = input::read(path).map_err(|source| LoadError::Read {
-        path: path.into(),
-        source,
-    })?;
-    if input::is_standard_input(path) {
-        return load_bytes_watched(bytes, "standard input".as_ref(), options, progress);
-    }
+    let (bytes, path) = input(path.as_ref())?;
     load_bytes_watched(bytes, path, options, progress)
 }
 
-/// Reads a mesh from the bytes of a file. The path is for messages, and for files that the mesh
-/// names, which are looked for beside it.
+/// The same as [`load`], from the bytes of a file. The path is for messages, and for files that the
+/// mesh names, which are looked for beside it.
 ///
 /// # Errors
 ///
@@ -167,29 +176,84 @@ pub fn load_bytes(
     load_bytes_watched(bytes, path.as_ref(), options, &|_| {})
 }
 
+/// The same as [`load_watched`], but a mesh that a glTF file uses several times stays one part with
+/// as many placements. All others are one part, the first, in the user's space; so are uses whose
+/// transform is too extreme for an instance (flat, or of very different scales).
+///
+/// # Errors
+///
+/// As [`load`].
+pub fn load_parts(
+    path: impl AsRef<Path>,
+    options: &LoadOptions,
+    progress: Progress<'_>,
+) -> Result<LoadedParts, LoadError> {
+    let (bytes, path) = input(path.as_ref())?;
+    load_parts_bytes(bytes, path, options, progress)
+}
+
+/// A file's bytes, and its name.
+fn input(path: &Path) -> Result<(Vec<u8>, &Path), LoadError> {
+    let bytes = input::read(path).map_err(|source| LoadError::Read {
+        path: path.into(),
+        source,
+    })?;
+    let name = if input::is_standard_input(path) {
+        "standard input".as_ref()
+    } else {
+        path
+    };
+    Ok((bytes, name))
+}
+
 fn load_bytes_watched(
     bytes: Vec<u8>,
     path: &Path,
     options: &LoadOptions,
     progress: Progress<'_>,
 ) -> Result<Loaded, LoadError> {
-    let parsed = parse(bytes, path, &|share| progress(READING * share))?;
     let Parsed {
-        raw,
+        model,
         scenery,
         mut report,
-    } = parsed;
+    } = parse(bytes, path, &|share| progress(READING * share))?;
     progress(READING);
-    let (mesh, made) = raw.into_mesh(options).map_err(|source| LoadError::Mesh {
-        path: path.into(),
-        source,
-    })?;
+    let mesh = (model.flatten())
+        .and_then(|raw| report.made(raw, options))
+        .map_err(|fault| fault.of(path))?;
     progress(1.0);
-    report.normals = made.normals;
-    report.snapped = made.snapped;
     report.warn();
     Ok(Loaded {
         mesh,
+        scenery,
+        report,
+    })
+}
+
+fn load_parts_bytes(
+    bytes: Vec<u8>,
+    path: &Path,
+    options: &LoadOptions,
+    progress: Progress<'_>,
+) -> Result<LoadedParts, LoadError> {
+    let Parsed {
+        model,
+        scenery,
+        mut report,
+    } = parse(bytes, path, &|share| progress(READING * share))?;
+    progress(READING);
+    let model = model.split().map_err(|fault| fault.of(path))?;
+    let meshes: Result<_, Fault> = (model.parts.into_iter())
+        .map(|raw| report.made(raw, options))
+        .collect();
+    let parts = Parts {
+        meshes: meshes.map_err(|fault| fault.of(path))?,
+        placements: model.uses,
+    };
+    progress(1.0);
+    report.warn();
+    Ok(LoadedParts {
+        parts,
         scenery,
         report,
     })
@@ -218,6 +282,14 @@ fn parse(bytes: Vec<u8>, path: &Path, progress: Progress<'_>) -> Result<Parsed, 
 }
 
 impl LoadReport {
+    /// Makes a mesh, and counts what it took.
+    fn made(&mut self, raw: RawMesh, options: &LoadOptions) -> Result<Mesh, Fault> {
+        let (mesh, made) = raw.into_mesh(options)?;
+        self.normals = self.normals.add(made.normals);
+        self.snapped += made.snapped;
+        Ok(mesh)
+    }
+
     /// Puts sentences for what has been counted before those of the reader.
     fn warn(&mut self) {
         let mut sentences = Vec::new();

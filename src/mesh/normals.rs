@@ -57,7 +57,7 @@ pub struct NormalsReport {
 }
 
 impl NormalsReport {
-    fn add(self, other: NormalsReport) -> NormalsReport {
+    pub(super) fn add(self, other: NormalsReport) -> NormalsReport {
         NormalsReport {
             stored: self.stored + other.stored,
             made: self.made + other.made,

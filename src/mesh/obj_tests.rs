@@ -281,7 +281,7 @@ fn bad_indices_are_refused_with_their_line() {
 /// What is read of a text in chunks of this size.
 fn read_in(text: &str, size: usize) -> Result<(RawMesh, LoadReport), Fault> {
     let parsed = read_by(text, Path::new("x.obj"), &|_| {}, size)?;
-    Ok((parsed.raw, parsed.report))
+    Ok((parsed.model.flatten().unwrap(), parsed.report))
 }
 
 #[test]

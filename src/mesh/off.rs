@@ -178,7 +178,7 @@ mod tests {
     fn fault(text: &str) -> (usize, String) {
         match read(text) {
             Err(Fault::Line(line, what)) => (line, what),
-            other => panic!("{:?}", other.map(|p| p.raw)),
+            other => panic!("{:?}", other.map(|p| p.model)),
         }
     }
 
@@ -187,23 +187,26 @@ mod tests {
         let text =
             format!("OFF # by hand\n\n4 3 0\n{SQUARE}4 0 1 2 3 255 0 0\n# x\n3 0 1 2\n2 0 1\n");
         let parsed = read(&text).unwrap();
-        assert_eq!(parsed.raw.corners, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
+        assert_eq!(
+            parsed.model.parts[0].corners,
+            [[0, 1, 2], [0, 2, 3], [0, 1, 2]]
+        );
         assert_eq!(
             (parsed.report.polygons, parsed.report.skipped_elements),
             (2, 1)
         );
-        assert_eq!(parsed.raw.normal_corners, None);
+        assert_eq!(parsed.model.parts[0].normal_corners, None);
     }
 
     #[test]
     fn the_keyword_says_what_vertices_have() {
         let text = "CNOFF 3 1 0\n0 0 0 0 0 1 .1 .2 .3 1\n1 0 0 0 0 1\n0 1 0 0 1 0\n3 0 1 2\n";
-        let raw = read(text).unwrap().raw;
+        let raw = read(text).unwrap().model.flatten().unwrap();
         assert_eq!(raw.normals, [DVec3::Z, DVec3::Z, DVec3::Y]);
         assert_eq!(raw.normal_corners, Some(vec![[0, 1, 2]]));
         let text = "N4OFF 3 1 0\n0 0 0 1 0 0 1\n2 0 0 2 0 0 1\n0 1 0 1 0 1 0\n3 0 1 2\n";
         // Geomview writes the keyword as 4NOFF or N4OFF; both say the same.
-        let raw = read(text).unwrap().raw;
+        let raw = read(text).unwrap().model.flatten().unwrap();
         assert_eq!((raw.positions[1], raw.normals[2]), (DVec3::X, DVec3::Y));
     }
 

@@ -57,14 +57,14 @@ fn binary(big: bool) -> Vec<u8> {
 fn line_fault(bytes: Vec<u8>) -> (usize, String) {
     match read(bytes) {
         Err(Fault::Line(line, what)) => (line, what),
-        other => panic!("{:?}", other.map(|p| p.raw)),
+        other => panic!("{:?}", other.map(|p| p.model)),
     }
 }
 
 fn content_fault(bytes: Vec<u8>) -> String {
     match read(bytes) {
         Err(Fault::Content(what)) => what,
-        other => panic!("{:?}", other.map(|p| p.raw)),
+        other => panic!("{:?}", other.map(|p| p.model)),
     }
 }
 
@@ -79,9 +79,12 @@ fn all_encodings_and_orders_say_the_same() {
     for bytes in [ascii(), binary(false), binary(true)] {
         let parsed = read(bytes).unwrap();
         let square = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]].map(DVec3::from);
-        assert_eq!(parsed.raw.positions[..3], square[..3]);
-        assert_eq!(parsed.raw.corners, [[0, 1, 2], [0, 2, 3], [2, 1, 0]]);
-        assert_eq!(parsed.raw.normal_corners, None);
+        assert_eq!(parsed.model.parts[0].positions[..3], square[..3]);
+        assert_eq!(
+            parsed.model.parts[0].corners,
+            [[0, 1, 2], [0, 2, 3], [2, 1, 0]]
+        );
+        assert_eq!(parsed.model.parts[0].normal_corners, None);
         assert_eq!(parsed.report.polygons, 2);
     }
 }
@@ -96,7 +99,11 @@ fn headers_may_have_any_line_ends_blank_lines_and_latin1() {
             .chars()
             .map(|c| c as u8)
             .collect();
-        assert_eq!(read(bytes).unwrap().raw.corners.len(), 3, "{ends:?}");
+        assert_eq!(
+            read(bytes).unwrap().model.flatten().unwrap().corners.len(),
+            3,
+            "{ends:?}"
+        );
     }
 }
 
@@ -109,7 +116,7 @@ fn normals_need_all_three_coordinates() {
              property list uchar uint vertex_index\nend_header\n\
              0 0 0 0 0 1\n1 0 0 0 0 2\n0 1 0 nan 0 1\n3 0 1 2\n"
         );
-        read(bytes.into_bytes()).unwrap().raw
+        read(bytes.into_bytes()).unwrap().model.flatten().unwrap()
     };
     let raw = with("property float nx\nproperty float ny\nproperty float nz\n");
     assert_eq!(raw.normals[1], DVec3::new(0.0, 0.0, 2.0));
@@ -124,7 +131,7 @@ fn strips_are_cut_into_triangles_that_wind_one_way() {
     let bytes = b"ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n\
         property float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n\
         0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n9 0 1 2 3 -1 2 3 3 4\n";
-    let raw = read(bytes.to_vec()).unwrap().raw;
+    let raw = read(bytes.to_vec()).unwrap().model.flatten().unwrap();
     assert_eq!(raw.corners, [[0, 1, 2], [2, 1, 3]]);
 }
 

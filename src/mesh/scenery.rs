@@ -1,4 +1,4 @@
-//! What else than meshes a file may hold: cameras and the sun.
+//! What else than meshes a file may hold: cameras and lights.
 
 use glam::DVec3;
 
@@ -9,6 +9,40 @@ pub struct Scenery {
     pub cameras: Vec<FileCamera>,
     /// Towards each light that is infinitely far; unit length.
     pub suns: Vec<DVec3>,
+    /// Lights at a point.
+    pub lamps: Vec<FileLamp>,
+}
+
+impl Scenery {
+    /// Puts what another file has behind this.
+    pub fn append(&mut self, other: Scenery) {
+        self.cameras.extend(other.cameras);
+        self.suns.extend(other.suns);
+        self.lamps.extend(other.lamps);
+    }
+}
+
+/// A light of a file that shines from a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FileLamp {
+    /// Where it is.
+    pub position: DVec3,
+    /// Its luminous intensity in candela, times its colour, linear: none below 0, one above.
+    pub intensity: DVec3,
+    /// Where its light ends, if it does: the distance, above 0.
+    pub range: Option<f64>,
+    /// The cone that it shines in; all around without.
+    pub cone: Option<FileCone>,
+}
+
+/// A spot light's cone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FileCone {
+    /// Where it shines to; unit length.
+    pub axis: DVec3,
+    /// The angles to the axis within which it is full and beyond which it is dark, in radians: 0 or
+    /// more, the second not below the first and at most a right angle.
+    pub angles: [f64; 2],
 }
 
 /// A perspective camera of a file.

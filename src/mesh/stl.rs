@@ -221,7 +221,7 @@ mod tests {
     fn line_fault(text: &str) -> (usize, String) {
         match read_text(text) {
             Err(Fault::Line(line, what)) => (line, what),
-            other => panic!("{:?}", other.map(|p| p.raw)),
+            other => panic!("{:?}", other.map(|p| p.model)),
         }
     }
 
@@ -232,8 +232,8 @@ mod tests {
             FACET.to_uppercase()
         );
         let parsed = read_text(&text).unwrap();
-        assert_eq!(parsed.raw.corners, [[0, 1, 2], [3, 4, 5]]);
-        assert_eq!(parsed.raw.positions[5].y, 1.0000000001);
+        assert_eq!(parsed.model.parts[0].corners, [[0, 1, 2], [3, 4, 5]]);
+        assert_eq!(parsed.model.parts[0].positions[5].y, 1.0000000001);
         assert_eq!(parsed.report.warnings, [] as [String; 0]);
     }
 
@@ -278,8 +278,8 @@ mod tests {
         let records = [[0., 0., 1.], [0., 0., 0.], [0., 0., -1.], [f32::NAN; 3]];
         let records = records.map(|n| record(n, CORNERS));
         let parsed = read_binary(&binary(4, &records)).unwrap();
-        assert_eq!(parsed.raw.corners.len(), 4);
-        assert_eq!(parsed.raw.positions[11], DVec3::Y);
+        assert_eq!(parsed.model.parts[0].corners.len(), 4);
+        assert_eq!(parsed.model.parts[0].positions[11], DVec3::Y);
         assert_eq!(
             parsed.report.warnings,
             ["1 facets have a normal that points against their winding; the winding counts"]
@@ -290,7 +290,7 @@ mod tests {
     fn a_binary_file_that_is_cut_off_or_not_finite_is_refused_by_facet() {
         let what = |bytes: &[u8]| match read_binary(bytes) {
             Err(Fault::Content(what)) => what,
-            other => panic!("{:?}", other.map(|p| p.raw)),
+            other => panic!("{:?}", other.map(|p| p.model)),
         };
         let one = record([0.; 3], CORNERS);
         assert_eq!(

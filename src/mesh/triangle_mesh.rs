@@ -1,6 +1,6 @@
 //! The indexed triangle mesh.
 
-use glam::{DVec3, Vec3};
+use glam::{BVec3, DVec3, Vec3};
 
 use super::raw::RawMesh;
 use super::{LoadOptions, MeshError, NormalsPolicy};
@@ -48,6 +48,24 @@ impl Bounds {
     #[must_use]
     pub fn diagonal(&self) -> f64 {
         (self.max - self.min).length()
+    }
+
+    /// The box's corners.
+    pub(crate) fn corners(&self) -> [DVec3; 8] {
+        std::array::from_fn(|n| {
+            let [x, y, z] = [1, 2, 4].map(|bit| n & bit != 0);
+            DVec3::select(BVec3::new(x, y, z), self.max, self.min)
+        })
+    }
+
+    /// The least box around points; of none one that [`union`](Self::union) ignores.
+    pub(super) fn around(points: impl IntoIterator<Item = DVec3>) -> Bounds {
+        let none = Bounds {
+            min: DVec3::INFINITY,
+            max: DVec3::NEG_INFINITY,
+        };
+        let points = points.into_iter();
+        points.fold(none, |around, p| around.union(Bounds { min: p, max: p }))
     }
 
     /// The least box around both.

@@ -71,7 +71,7 @@ impl Scene {
 
     fn sort_and_merge(&self, ray: &Ray, hits: &mut Vec<Hit>) {
         // By triangle where t is the same, so that the order does not depend on the tree.
-        let place = |hit: &Hit| (hit.geom_id, hit.prim_id);
+        let place = |hit: &Hit| (self.place_of(hit), hit.prim_id);
         hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then_with(|| place(a).cmp(&place(b))));
         let mut kept = 0;
         for n in 0..hits.len() {
@@ -86,7 +86,7 @@ impl Scene {
 
     /// Whether two hits of a ray are one point of the surface, seen by two triangles.
     fn is_same(&self, ray: &Ray, a: &Hit, b: &Hit) -> bool {
-        let [slope_a, slope_b] = [a, b].map(|hit| hit.ng.normalize_or_zero().dot(ray.direction));
+        let [slope_a, slope_b] = [a, b].map(|hit| self.normal(hit).dot(ray.direction));
         if (slope_a < 0.0) != (slope_b < 0.0) {
             return false;
         }

@@ -26,7 +26,8 @@ pub struct Aovs {
     pub depth: Vec<f32>,
     /// The triangle's number in its mesh; [`NO_PRIMITIVE`] for the ground and where nothing is seen.
     pub primitive: Vec<u32>,
-    /// The mesh's number in the scene; [`NO_PRIMITIVE`] as for the triangle.
+    /// The placement's number in the scene, which is the mesh's where each is used once;
+    /// [`NO_PRIMITIVE`] as for the triangle.
     pub mesh: Vec<u32>,
 }
 
@@ -72,7 +73,7 @@ pub fn aovs(scene: &Scene, picture: &Picture) -> Result<Aovs, CameraError> {
             .collect(),
         mesh: seen
             .iter()
-            .map(|seen| hit(seen).map_or(NO_PRIMITIVE, |hit| hit.geom_id))
+            .map(|seen| hit(seen).map_or(NO_PRIMITIVE, |hit| scene.place_of(&hit)))
             .collect(),
     })
 }

@@ -209,7 +209,7 @@ impl Job for Nearest<'_> {
             tree.intersect(&mut packet, &QueryOptions::INCOHERENT);
             for lane in 0..N {
                 if let Some(hit) = packet.hit(lane) {
-                    self.hits.put(first + lane, &hit);
+                    self.hits.put(first + lane, &hit, self.chunk.scene);
                 }
             }
         }
@@ -235,7 +235,8 @@ impl Job for All<'_> {
             for (lane, (count, hits)) in counts.iter_mut().zip(&found).enumerate() {
                 *count = hits.len() as u32;
                 for (n, hit) in hits.iter().take(self.most).enumerate() {
-                    self.hits.put((first + lane) * self.most + n, hit);
+                    self.hits
+                        .put((first + lane) * self.most + n, hit, self.chunk.scene);
                 }
             }
         }
@@ -271,11 +272,11 @@ struct HitSlots<'a> {
 }
 
 impl HitSlots<'_> {
-    fn put(&mut self, slot: usize, hit: &Hit) {
+    fn put(&mut self, slot: usize, hit: &Hit, scene: &Scene) {
         self.t[slot] = hit.t;
         self.prim_id[slot] = hit.prim_id;
         self.uv[slot] = [hit.u, hit.v];
-        self.ng[slot] = hit.ng.normalize_or_zero().to_array();
+        self.ng[slot] = scene.normal(hit).to_array();
     }
 }
 

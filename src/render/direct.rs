@@ -1,14 +1,15 @@
-//! Light that comes straight from sun, lamp and sky.
+//! Light that comes straight from sun, lamp, lights at points, and sky.
 
 use glam::{Vec3, Vec4};
 
 use super::bsdf::cosine_direction;
+use super::light::LightSample;
 use super::sampler::Sample;
 use super::stats::Rays;
 use super::world::{Estimator, LANES, Lanes, Seen, World};
 use crate::embree::{Ray, RayPacket};
 
-/// Diffuse surfaces under a sun, a lamp and a sky, without light from other surfaces.
+/// Diffuse surfaces under a sun, a lamp, lights at points and a sky, without light from other surfaces.
 pub(super) struct Direct<'a> {
     pub world: World<'a>,
     /// Whether surfaces hide the sky from each other.
@@ -34,10 +35,11 @@ impl Estimator for Direct<'_> {
         });
         let sun = self.world.sunlight(&seen, true, rays);
         let lamp = self.world.lamplight(&seen, &numbers, true, rays);
+        let points = self.world.pointlight(&seen, samples, 0, rays);
         let sky = self.skylight(&seen, &numbers, rays);
         std::array::from_fn(|lane| match &seen[lane] {
             Some(seen) => {
-                let light = sky[lane] + sun[lane] + lamp[lane];
+                let light = sky[lane] + sun[lane] + lamp[lane] + points[lane];
                 (seen.coverage * self.world.picture.albedo * light).extend(seen.coverage)
             }
             None if active & 1 << lane != 0 => self.world.behind(&packet.ray(lane)),
@@ -97,12 +99,44 @@ impl World<'_> {
         if self.lamp.is_none() {
             return [Vec3::ZERO; LANES];
         }
-        let to_lamp: Lanes<_> = std::array::from_fn(|lane| {
+        self.lit_by(seen, coherent, rays, |lane, seen| {
             let [u, v, ..] = numbers[lane];
-            self.to_lamp(seen[lane].as_ref()?, [u, v])
-        });
-        let passing = self.counted(&to_lamp.map(|to| to.map(|(ray, _)| ray)), coherent, rays);
-        std::array::from_fn(|lane| match (&seen[lane], &to_lamp[lane]) {
+            self.to_lamp(seen, [u, v])
+        })
+    }
+
+    /// Radiance, for white surfaces, of the lights at points, by a ray to one of them each; `surface`
+    /// is the surfaces' number on their paths.
+    pub(super) fn pointlight(
+        &self,
+        seen: &Lanes<Option<Seen>>,
+        samples: &Lanes<Sample>,
+        surface: u32,
+        rays: &mut Rays,
+    ) -> Lanes<Vec3> {
+        if self.points.is_empty() {
+            return [Vec3::ZERO; LANES];
+        }
+        self.lit_by(seen, surface == 0, rays, |lane, seen| {
+            let choice = match self.points.len() {
+                1 => 0.0,
+                _ => samples[lane].numbers(2 * surface + 1)[1],
+            };
+            self.to_point(seen, choice)
+        })
+    }
+
+    /// Radiance, for white surfaces, of what is at the ends of rays where nothing is between.
+    fn lit_by(
+        &self,
+        seen: &Lanes<Option<Seen>>,
+        coherent: bool,
+        rays: &mut Rays,
+        to_light: impl Fn(usize, &Seen) -> Option<(Ray, LightSample)>,
+    ) -> Lanes<Vec3> {
+        let to_light: Lanes<_> = std::array::from_fn(|lane| to_light(lane, seen[lane].as_ref()?));
+        let passing = self.counted(&to_light.map(|to| to.map(|(ray, _)| ray)), coherent, rays);
+        std::array::from_fn(|lane| match (&seen[lane], &to_light[lane]) {
             (Some(seen), Some((_, sample))) => {
                 passing[lane] * seen.normal.dot(sample.direction) * sample.weight
             }

@@ -4,7 +4,9 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::camera::{Axes, Camera, UpAxis};
-use super::scene::{Scene, Shape};
+use super::extent::placed_corners;
+use super::place::Place;
+use super::scene::Scene;
 use crate::mesh::Mesh;
 
 /// How much further away than necessary the camera stands, as a share of its distance.
@@ -64,38 +66,103 @@ impl Framing {
             Some(shadows) => add(add(wedges, (p, radius)), (shadows.of(p), radius)),
             None => add(wedges, (p, radius)),
         };
-        let meshes = scene.shapes().iter().map(Shape::mesh);
-        meshes
-            .map(|mesh| {
-                let triangles = mesh.triangles().par_iter();
-                triangles
-                    .fold(
-                        || none,
-                        |wedges, t| balls(mesh, t).into_iter().fold(wedges, add_both),
-                    )
-                    .reduce(|| none, Wedges::union)
-            })
-            .fold(none, Wedges::union)
+        let boxes = Boxes::of(scene);
+        scene.outermost_first().fold(none, |around, (_, place)| {
+            if let Some(bounding) = boxes.of_place(place) {
+                let [a, b] = [around, bounding.into_iter().fold(around, add_both)];
+                if a.touching == b.touching && a.nearest == b.nearest {
+                    return around;
+                }
+            }
+            let mesh = scene.shapes()[place.shape].mesh();
+            let triangles = mesh.triangles().par_iter();
+            triangles
+                .fold(
+                    || around,
+                    |wedges, t| placed_balls(place, mesh, t).fold(wedges, add_both),
+                )
+                .reduce(|| around, Wedges::union)
+        })
     }
 
     fn shadows(&self, scene: &Scene, towards_sun: Vec3) -> Shadows {
         let up = self.up.vector().as_vec3();
-        let meshes = scene.shapes().iter().map(Shape::mesh);
-        let lowest = meshes.map(|mesh| {
+        let boxes = Boxes::of(scene);
+        let bottom = |(p, radius): (Vec3, f32)| p.dot(up) - radius;
+        let lowest = |least: f32, (_, place): (u32, &Place)| {
+            if let Some(bounding) = boxes.of_place(place)
+                && bounding.into_iter().all(|ball| bottom(ball) >= least)
+            {
+                return least;
+            }
+            let mesh = scene.shapes()[place.shape].mesh();
             let triangles = mesh.triangles().par_iter();
-            let bottoms =
-                triangles.flat_map_iter(|t| balls(mesh, t).map(|(p, radius)| p.dot(up) - radius));
-            bottoms.reduce(|| f32::INFINITY, f32::min)
-        });
+            let bottoms = triangles.flat_map_iter(|t| placed_balls(place, mesh, t).map(bottom));
+            bottoms.reduce(|| least, f32::min)
+        };
         let height = towards_sun.dot(up);
         let along = height * up - towards_sun;
         let least_height = along.length() / LONGEST_SHADOW;
         Shadows {
             up,
-            ground: lowest.fold(f32::INFINITY, f32::min),
+            ground: scene.outermost_first().fold(f32::INFINITY, lowest),
             slide: along / height.max(least_height).max(f32::MIN_POSITIVE),
         }
     }
+}
+
+/// For each shape that has instances, the box of its balls' middles and the largest radius: a look at
+/// it spares one at the balls of most instances.
+struct Boxes(Vec<Option<([Vec3; 2], f32)>>);
+
+impl Boxes {
+    fn of(scene: &Scene) -> Self {
+        let mut boxes = vec![None; scene.shapes().len()];
+        for (_, place) in scene.outermost_first() {
+            if place.instance.is_some() && boxes[place.shape].is_none() {
+                boxes[place.shape] = Some(box_of_balls(scene.shapes()[place.shape].mesh()));
+            }
+        }
+        Self(boxes)
+    }
+
+    /// Balls whose hull holds all balls of an instance.
+    fn of_place(&self, place: &Place) -> Option<[(Vec3, f32); 8]> {
+        let instance = place.instance.as_ref()?;
+        let (bounds, radius) = self.0[place.shape]?;
+        let radius = radius * instance.stretch();
+        Some(placed_corners(instance, bounds).map(|p| (p, radius)))
+    }
+}
+
+fn box_of_balls(mesh: &Mesh) -> ([Vec3; 2], f32) {
+    let none = ([Vec3::INFINITY, Vec3::NEG_INFINITY], 0_f32);
+    let balls = mesh
+        .triangles()
+        .par_iter()
+        .flat_map_iter(|t| balls(mesh, t));
+    let around = balls.map(|(p, radius)| ([p, p], radius));
+    around.reduce(
+        || none,
+        |(a, r), (b, s)| ([a[0].min(b[0]), a[1].max(b[1])], r.max(s)),
+    )
+}
+
+/// The [balls] of a triangle where it is put.
+fn placed_balls(
+    place: &Place,
+    mesh: &Mesh,
+    triangle: &[u32; 3],
+) -> impl Iterator<Item = (Vec3, f32)> + use<> {
+    let balls = balls(mesh, triangle);
+    let placed = match &place.instance {
+        None => balls,
+        Some(instance) => {
+            let stretch = instance.stretch();
+            balls.map(|(p, radius)| (instance.to_scene.transform_point3(p), radius * stretch))
+        }
+    };
+    placed.into_iter()
 }
 
 /// Balls that hold the curved surface of a triangle, roughly: around its vertices and around where

@@ -1,14 +1,15 @@
-//! The sun, the sky, and a lamp.
+//! The sun, the sky, and a lamp; lights at points are in `point_light`.
 
 use std::f32::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 
 use super::camera::UpAxis;
+use super::point_light::PointLight;
 use crate::embree::Ray;
 
 /// What lights a scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Lighting {
     /// Towards the sun, which is infinitely far and casts shadows; unit length.
     pub towards_sun: Vec3,
@@ -18,6 +19,8 @@ pub struct Lighting {
     pub sky: Sky,
     /// A lamp.
     pub lamp: Option<SphereLight>,
+    /// Lights at points.
+    pub points: Vec<PointLight>,
 }
 
 /// What shines from all around: one radiance from above the horizon and one from below it.
@@ -60,6 +63,7 @@ impl Lighting {
                 checker: 0.0,
             },
             lamp: None,
+            points: Vec::new(),
         }
     }
 }
@@ -115,8 +119,8 @@ pub(super) struct LightSample {
     pub direction: Vec3,
     /// How far away the light is.
     pub distance: f32,
-    /// Its radiance over the probability density of the direction, over pi: times the cosine, the
-    /// radiance of a white surface.
+    /// Its radiance over the probability density of the direction, over pi (of a light at a point its
+    /// irradiance over pi): times the cosine, the radiance of a white surface.
     pub weight: Vec3,
 }
 

@@ -8,9 +8,9 @@ use super::stats::Rays;
 use super::world::{Estimator, LANES, Lanes, Seen, World};
 use crate::embree::{Ray, RayPacket};
 
-/// Follows light back from the camera over at most so many surfaces. At diffuse ones sun and lamp are
-/// asked for by rays of their own; the sky is what rays find that meet nothing. Light of the sun
-/// through glass is not found: no ray finds by chance what has no size.
+/// Follows light back from the camera over at most so many surfaces. At diffuse ones sun, lamp and
+/// lights at points are asked for by rays of their own; the sky is what rays find that meet nothing.
+/// Light of the sun and of points through glass is not found: no ray finds by chance what has no size.
 pub(super) struct Path<'a> {
     pub world: World<'a>,
     /// How many surfaces a path meets at most, 1 or more.
@@ -75,7 +75,7 @@ fn surface_numbers(samples: &Lanes<Sample>, surface: u32) -> Lanes<[f32; 4]> {
 }
 
 impl Path<'_> {
-    /// Adds the light that sun and lamp throw on the surfaces that the paths are at.
+    /// Adds the light that sun, lamp and lights at points throw on the surfaces that the paths are at.
     fn light(&self, paths: &mut Paths, samples: &Lanes<Sample>, surface: u32, rays: &mut Rays) {
         let diffuse = paths
             .seen
@@ -87,8 +87,9 @@ impl Path<'_> {
         let numbers = surface_numbers(samples, surface);
         let sun = self.world.sunlight(&diffuse, coherent, rays);
         let lamp = self.world.lamplight(&diffuse, &numbers, coherent, rays);
+        let points = self.world.pointlight(&diffuse, samples, surface, rays);
         for lane in 0..LANES {
-            let light = sun[lane] + lamp[lane];
+            let light = sun[lane] + lamp[lane] + points[lane];
             paths.light[lane] += paths.weights[lane] * self.world.picture.albedo * light;
         }
     }

@@ -4,14 +4,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::{DVec3, Vec3};
-use rayon::prelude::*;
 use thiserror::Error;
 
+use super::place::{Instance, Place};
 use super::stats::{MemoryParts, Times};
 use crate::curved::{CurvedMesh, CurvedOptions, Kinds, Spheres};
 use crate::embree::{self, Device, Geometry, Hit, Ray, SceneBuilder};
-use crate::mesh::{Bounds, Mesh};
-use crate::surface::PatchKind;
+use crate::mesh::{Bounds, Mesh, Parts};
 
 /// What a mesh's triangles stand for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +21,7 @@ pub enum Form {
     Curved(CurvedOptions),
 }
 
-/// A mesh in a scene. Its number there is the hits' `geom_id`.
+/// A mesh in a scene.
 pub enum Shape {
     /// Embree's own triangles.
     Flat(Arc<Mesh>),
@@ -31,11 +30,19 @@ pub enum Shape {
 }
 
 /// Meshes under one Embree tree, in a local space: rays and hits are relative to
-/// [`Scene::origin`]. Primitive `i` of geometry `g` is triangle `i` of mesh `g`.
+/// [`Scene::origin`].
+///
+/// What has one use, in place, is attached itself: primitive `i` of geometry `g` is triangle `i` of
+/// the mesh of placement `g`. A mesh with other or more uses is curved and built once, in a tree of its
+/// own, and each use is an instance of it: a hit's `inst_id` is the placement, `prim_id` the triangle,
+/// and `ng` is in the mesh's space ([`Scene::normal`] is in the scene's). Instances do not know what is
+/// beside them: sides along which they meet are boundaries of each.
 pub struct Scene {
     origin: DVec3,
     bounds: Bounds,
     shapes: Vec<Shape>,
+    places: Vec<Place>,
+    outermost_first: Vec<u32>,
     tree: embree::Scene,
     times: Times,
 }
@@ -44,7 +51,7 @@ pub struct Scene {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// There is no mesh.
+    /// There is no mesh, or none is put anywhere.
     #[error("a scene needs at least one mesh")]
     Empty,
     /// Embree's own reason.
@@ -53,12 +60,17 @@ pub enum SceneError {
 }
 
 impl Scene {
-    /// Curves the meshes, if asked for, and builds the tree.
+    /// Curves the meshes, if asked for, and builds the tree. Meshes in the user's space need no
+    /// placements: `vec![mesh]` will do.
     ///
     /// # Errors
-    /// If there is no mesh, or not enough memory.
-    pub fn new(device: &Device, meshes: Vec<Mesh>, form: Form) -> Result<Self, SceneError> {
-        Self::build(device, meshes, form, false)
+    /// If no mesh is put anywhere, an instance's transform is too extreme, or there is not enough
+    /// memory.
+    ///
+    /// # Panics
+    /// If a placement is of a mesh that is not there.
+    pub fn new(device: &Device, parts: impl Into<Parts>, form: Form) -> Result<Self, SceneError> {
+        Self::build(device, parts.into(), form, false)
     }
 
     /// The same for queries that bring a [filter](embree::QueryOptions::filter), as
@@ -68,35 +80,34 @@ impl Scene {
     /// As [`new`](Self::new).
     pub fn with_filters(
         device: &Device,
-        meshes: Vec<Mesh>,
+        parts: impl Into<Parts>,
         form: Form,
     ) -> Result<Self, SceneError> {
-        Self::build(device, meshes, form, true)
+        Self::build(device, parts.into(), form, true)
     }
 
-    fn build(
-        device: &Device,
-        meshes: Vec<Mesh>,
-        form: Form,
-        filters: bool,
-    ) -> Result<Self, SceneError> {
+    fn build(device: &Device, parts: Parts, form: Form, filters: bool) -> Result<Self, SceneError> {
         let start = Instant::now();
-        let bounds = meshes.iter().map(Mesh::bounds).reduce(Bounds::union);
-        let bounds = bounds.ok_or(SceneError::Empty)?;
-        let origin = common_origin(&meshes, &bounds);
-        let shapes: Vec<Shape> = meshes
-            .into_iter()
-            .map(|mesh| Shape::new(Arc::new(mesh.rebased(origin)), form))
+        let (bounds, outermost_first) = parts.extent().ok_or(SceneError::Empty)?;
+        let in_place = in_place(&parts);
+        let origin = common_origin(&parts, &in_place, &bounds);
+        let Parts { meshes, placements } = parts;
+        let shapes: Vec<Shape> = (meshes.into_iter().zip(&in_place))
+            .map(|(mesh, &in_place)| if in_place { mesh.rebased(origin) } else { mesh })
+            .map(|mesh| Shape::new(Arc::new(mesh), form))
+            .collect();
+        let places: Vec<Place> = (placements.iter())
+            .map(|placement| {
+                let shape = placement.part;
+                let away = || Instance::new(placement, shapes[shape].mesh().origin(), origin);
+                Place {
+                    shape,
+                    instance: (!in_place[shape]).then(away),
+                }
+            })
             .collect();
         let curved = Instant::now();
-        // Flat triangles get the same promise as curved ones: no ray slips between them.
-        let mut builder = SceneBuilder::new(device)?
-            .robust(true)
-            .query_filters(filters);
-        for shape in &shapes {
-            builder.attach(&shape.geometry(device)?);
-        }
-        let tree = builder.commit()?;
+        let tree = build_tree(device, &shapes, &places, filters)?;
         let times = Times {
             curve: curved - start,
             build: curved.elapsed(),
@@ -106,6 +117,8 @@ impl Scene {
             origin,
             bounds,
             shapes,
+            places,
+            outermost_first,
             tree,
             times,
         })
@@ -121,7 +134,7 @@ impl Scene {
         &self.bounds
     }
 
-    /// The meshes, by `geom_id`.
+    /// The meshes, by their numbers among the parts.
     pub fn shapes(&self) -> &[Shape] {
         &self.shapes
     }
@@ -131,7 +144,45 @@ impl Scene {
         &self.tree
     }
 
-    /// Triangles by kind, of all meshes.
+    /// The number of the placement that a hit is on: its `inst_id`, or `geom_id` where there is none.
+    pub fn place_of(&self, hit: &Hit) -> u32 {
+        Place::number(hit)
+    }
+
+    /// The mesh of a placement, by the placement's number.
+    ///
+    /// # Panics
+    /// If there is no such placement.
+    pub fn shape_at(&self, place: u32) -> &Shape {
+        &self.shapes[self.places[place as usize].shape]
+    }
+
+    /// The placements, with their numbers: those furthest from the middle first.
+    pub(super) fn outermost_first(&self) -> impl Iterator<Item = (u32, &Place)> {
+        let places = self.outermost_first.iter();
+        places.map(|&number| (number, &self.places[number as usize]))
+    }
+
+    pub(super) fn place(&self, hit: &Hit) -> &Place {
+        &self.places[Place::number(hit) as usize]
+    }
+
+    /// How many placements are instances.
+    pub fn instances(&self) -> usize {
+        let instances = self.places.iter().filter(|place| place.instance.is_some());
+        instances.count()
+    }
+
+    /// The unit normal of a hit in the scene's space: the surface's own, on the front of the triangle
+    /// by its winding (of a mirrored instance the image of the front); zero where the hit has none.
+    ///
+    /// # Panics
+    /// If the hit is not one of this scene's.
+    pub fn normal(&self, hit: &Hit) -> Vec3 {
+        self.place(hit).normal(hit.ng)
+    }
+
+    /// Triangles by kind, of all meshes; a mesh counts once, however often it is used.
     pub fn triangles(&self) -> Kinds {
         self.shapes
             .iter()
@@ -152,7 +203,7 @@ impl Scene {
         let sum = |of: fn(&Shape) -> usize| self.shapes.iter().map(|shape| of(shape) as u64).sum();
         MemoryParts {
             mesh: sum(|shape| shape.mesh().memory()),
-            records: sum(Shape::memory),
+            records: sum(Shape::memory) + size_of_val(&*self.places) as u64,
             embree: self.tree.device().memory().current,
         }
     }
@@ -163,19 +214,18 @@ impl Scene {
     }
 
     /// How far the surface may be from the point of a hit along its normal: see
-    /// [`CurvedMesh::error_bound`].
+    /// [`CurvedMesh::error_bound`]. On an instance, with the rounding of its transform.
     ///
     /// # Panics
     /// If the hit is not one of this scene's.
     pub fn error_bound(&self, hit: &Hit, ray: &Ray) -> f32 {
-        match &self.shapes[hit.geom_id as usize] {
-            Shape::Flat(mesh) => {
-                let corners = mesh.triangle_positions(hit.prim_id as usize);
-                let around = corners.map(|p| p.abs().max_element());
-                rounding(around.into_iter().fold(reach(ray, hit.t), f32::max))
-            }
-            Shape::Curved(mesh) => mesh.error_bound(hit.prim_id, ray, hit.t),
-        }
+        let place = self.place(hit);
+        let shape = &self.shapes[place.shape];
+        let Some(instance) = &place.instance else {
+            return shape.error_bound(hit.prim_id, ray, hit.t);
+        };
+        let bound = shape.error_bound(hit.prim_id, &instance.localized(ray), hit.t);
+        instance.error_bound(bound, hit.ng, ray, hit.t)
     }
 
     /// Where a secondary ray starts that leaves a hit's surface on the side of `normal`, one of its
@@ -186,14 +236,6 @@ impl Scene {
     /// If the hit is not one of this scene's.
     pub fn leaving_point(&self, hit: &Hit, ray: &Ray, normal: Vec3) -> Vec3 {
         ray.at(hit.t) + self.error_bound(hit, ray) * normal
-    }
-
-    /// The height of the lowest point of the surface along `up` (a unit vector), in the local space.
-    ///
-    /// Of a curved triangle only the vertices and a grid of points are looked at.
-    pub fn lowest(&self, up: Vec3) -> f32 {
-        let lowest = self.shapes.iter().map(|shape| shape.lowest(up));
-        lowest.fold(f32::INFINITY, f32::min)
     }
 }
 
@@ -247,36 +289,17 @@ impl Shape {
         }
     }
 
-    fn lowest(&self, up: Vec3) -> f32 {
-        let height = |p: &Vec3| p.dot(up);
-        let vertices = self.mesh().positions().iter().map(height);
-        let lowest = vertices.fold(f32::INFINITY, f32::min);
+    /// As [`Scene::error_bound`], in the mesh's space.
+    fn error_bound(&self, triangle: u32, ray: &Ray, t: f32) -> f32 {
         match self {
-            Self::Flat(_) => lowest,
-            Self::Curved(mesh) => (0..mesh.mesh().triangles().len() as u32)
-                .into_par_iter()
-                .map(|triangle| lowest_of_patch(mesh, triangle, up, lowest))
-                .reduce(|| lowest, f32::min),
+            Self::Flat(mesh) => {
+                let corners = mesh.triangle_positions(triangle as usize);
+                let around = corners.map(|p| p.abs().max_element());
+                rounding(around.into_iter().fold(reach(ray, t), f32::max))
+            }
+            Self::Curved(mesh) => mesh.error_bound(triangle, ray, t),
         }
     }
-}
-
-/// Points a side of the grid that [`Scene::lowest`] looks at.
-const GRID: u32 = 12;
-
-/// The least height on a patch where it is below `least` at all.
-fn lowest_of_patch(mesh: &CurvedMesh, triangle: u32, up: Vec3, least: f32) -> f32 {
-    let patch = mesh.patch(triangle);
-    let [lower, upper] = patch.bounds().map(Vec3::from);
-    let bottom = Vec3::select(up.cmpgt(Vec3::ZERO), lower, upper).dot(up);
-    if patch.kind() == PatchKind::Degenerate || bottom >= least {
-        return least;
-    }
-    let share = |n: u32| n as f32 / GRID as f32;
-    (0..=GRID)
-        .flat_map(|i| (0..=GRID - i).map(move |j| (share(i), share(j))))
-        .map(|(u, v)| Vec3::from(patch.point(u, v).position).dot(up))
-        .fold(least, f32::min)
 }
 
 /// How far out the points are that a ray's hit was computed from.
@@ -289,15 +312,60 @@ pub(super) fn rounding(magnitude: f32) -> f32 {
     8.0 * f32::EPSILON * magnitude
 }
 
-/// The meshes' own origin where they have the same, so that not a bit of them changes; otherwise one
-/// that suits their common bounds.
-fn common_origin(meshes: &[Mesh], bounds: &Bounds) -> DVec3 {
-    let first = meshes[0].origin();
-    if meshes.iter().all(|mesh| mesh.origin() == first) {
+/// Which meshes are attached themselves: those that are used once, as they are.
+fn in_place(parts: &Parts) -> Vec<bool> {
+    let mut uses = vec![0_usize; parts.meshes.len()];
+    for placement in &parts.placements {
+        // Any transform makes an instance, as two uses do.
+        uses[placement.part] += if placement.is_in_place() { 1 } else { 2 };
+    }
+    uses.into_iter().map(|uses| uses == 1).collect()
+}
+
+/// The origin of the meshes that are attached themselves where they have the same, so that not a bit
+/// of them changes, and there is nothing else; otherwise one that suits the common bounds.
+fn common_origin(parts: &Parts, in_place: &[bool], bounds: &Bounds) -> DVec3 {
+    let first = parts.meshes[0].origin();
+    let same = parts.meshes.iter().all(|mesh| mesh.origin() == first);
+    if same && in_place.iter().all(|&in_place| in_place) {
         first
     } else {
         bounds.local_origin()
     }
+}
+
+/// A tree of all places; each shape that has instances gets a tree of its own.
+fn build_tree(
+    device: &Device,
+    shapes: &[Shape],
+    places: &[Place],
+    filters: bool,
+) -> Result<embree::Scene, embree::Error> {
+    // Flat triangles get the same promise as curved ones: no ray slips between them.
+    let empty = || {
+        Ok(SceneBuilder::new(device)?
+            .robust(true)
+            .query_filters(filters))
+    };
+    let mut inner: Vec<Option<embree::Scene>> = vec![None; shapes.len()];
+    let mut builder = empty()?;
+    for place in places {
+        let shape = &shapes[place.shape];
+        let Some(instance) = &place.instance else {
+            builder.attach(&shape.geometry(device)?);
+            continue;
+        };
+        let tree = match &mut inner[place.shape] {
+            Some(tree) => tree,
+            none => {
+                let mut builder = empty()?;
+                builder.attach(&shape.geometry(device)?);
+                none.insert(builder.commit()?)
+            }
+        };
+        builder.attach(&Geometry::instance(device, tree, instance.to_scene)?.commit()?);
+    }
+    builder.commit()
 }
 
 #[cfg(test)]
@@ -353,7 +421,9 @@ mod tests {
     #[test]
     fn no_mesh_is_an_error() {
         let device = Device::new().unwrap();
-        let error = Scene::new(&device, vec![], Form::Flat).err().unwrap();
+        let error = Scene::new(&device, Parts::default(), Form::Flat)
+            .err()
+            .unwrap();
         assert_eq!(error.to_string(), "a scene needs at least one mesh");
     }
 

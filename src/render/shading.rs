@@ -20,9 +20,15 @@ impl Shading {
     /// The unit normal that a hit is lit by, on the same side of the surface as `facing`, one of the
     /// two unit normals of the geometry there.
     pub(crate) fn normal(self, scene: &Scene, hit: &Hit, facing: Vec3) -> Vec3 {
-        match (self, &scene.shapes()[hit.geom_id as usize]) {
+        let place = scene.place(hit);
+        match (self, &scene.shapes()[place.shape]) {
             (Self::Interpolated, Shape::Flat(mesh)) => {
-                let [a, b, c] = mesh.triangle_normals(hit.prim_id as usize);
+                let normals = mesh.triangle_normals(hit.prim_id as usize);
+                // As if the vertices were the scene's own.
+                let [a, b, c] = match place.instance {
+                    None => normals,
+                    Some(_) => normals.map(|normal| place.normal(normal)),
+                };
                 let normal = (1.0 - hit.u - hit.v) * a + hit.u * b + hit.v * c;
                 match normal.try_normalize() {
                     Some(unit) if unit.dot(facing) < 0.0 => -unit,

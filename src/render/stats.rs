@@ -8,8 +8,10 @@ use crate::curved::{Counters, Kinds, Spheres};
 /// What a picture took: time, memory, rays, and the kernel's work.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderStats {
-    /// Triangles by kind, of all meshes.
+    /// Triangles by kind, of all meshes; a mesh counts once, however often it is used.
     pub triangles: Kinds,
+    /// Uses of meshes that are used several times.
+    pub instances: usize,
     /// Curved triangles by the sphere that bounds them, where spheres were asked for.
     pub spheres: Spheres,
     /// Time by step.
@@ -40,7 +42,7 @@ pub struct Times {
 pub struct MemoryParts {
     /// Positions, normals and indices.
     pub mesh: u64,
-    /// What is kept of each curved patch.
+    /// What is kept of each curved patch and each placement.
     pub records: u64,
     /// Embree's tree, and its copies of flat triangles.
     pub embree: u64,

@@ -69,6 +69,7 @@ pub fn render(
         .fold(Work::default(), Work::add);
     let mut stats = RenderStats {
         triangles: scene.triangles(),
+        instances: scene.instances(),
         spheres: scene.spheres(),
         times: scene.times(),
         memory: scene.memory(),

@@ -4,6 +4,7 @@ use glam::{Vec3, Vec4};
 
 use super::light::{Lamp, LightSample};
 use super::picture::{FixedGround, Ground, Picture};
+use super::point_light::{self, Point};
 use super::sampler::Sample;
 use super::scene::{Scene, reach, rounding};
 use super::stats::Rays;
@@ -32,6 +33,7 @@ pub(super) struct World<'a> {
     pub scene: &'a Scene,
     pub picture: &'a Picture,
     pub lamp: Option<Lamp>,
+    pub points: Vec<Point>,
     ground: Option<GroundPlane>,
 }
 
@@ -93,6 +95,9 @@ impl<'a> World<'a> {
             scene,
             picture,
             lamp: lamp.map(|lamp| Lamp::new(lamp, scene.origin())),
+            points: (picture.lighting.points.iter())
+                .map(|light| Point::new(light, scene.origin()))
+                .collect(),
             ground: GroundPlane::of(picture, scene),
         }
     }
@@ -156,6 +161,13 @@ impl<'a> World<'a> {
         (seen.normal.dot(sample.direction) > 0.0).then_some((ray, sample))
     }
 
+    /// A ray from a surface to one of the lights at points, if one shines on it.
+    pub fn to_point(&self, seen: &Seen, choice: f32) -> Option<(Ray, LightSample)> {
+        let sample = point_light::drawn(&self.points, seen.start(), seen.normal, choice)?;
+        let ray = Ray::new(seen.start(), sample.direction).between(0.0, sample.distance);
+        Some((ray, sample))
+    }
+
     /// Radiance, for a white surface, of the sun that shines on it.
     pub fn sun_radiance(&self, seen: &Seen) -> Vec3 {
         self.picture.lighting.sun * seen.normal.dot(self.picture.lighting.towards_sun)
@@ -188,7 +200,7 @@ impl<'a> World<'a> {
         if let Some(ground) = self.seen_ground(ray, hit.t) {
             return Some(ground);
         }
-        let unit = hit.ng.normalize_or_zero();
+        let unit = self.scene.normal(&hit);
         let back = unit.dot(ray.direction) > 0.0;
         let facing = if back { -unit } else { unit };
         Some(Seen {

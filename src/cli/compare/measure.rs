@@ -5,7 +5,7 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 use curvetri::compare::View;
 use curvetri::curved::CurvedOptions;
-use curvetri::mesh::Mesh;
+use curvetri::mesh::Parts;
 use curvetri::render::{
     Background, Form, Ground, Picture, RenderStats, Scene, Shading, Times, render,
 };
@@ -48,7 +48,7 @@ pub struct Bench<'a> {
 /// What has been measured so far of one of them.
 struct Progress<'a> {
     contestant: Contestant,
-    meshes: &'a [Mesh],
+    parts: &'a Parts,
     load: Duration,
     stats: RenderStats,
     times: Vec<Times>,
@@ -62,12 +62,12 @@ impl<'a> Bench<'a> {
         let [width, height] = args.size;
         let device = device(args.threads)?;
         let scene = |loaded: &Loaded, form| {
-            let scene = Scene::new(&device, loaded.meshes.clone(), form);
+            let scene = Scene::new(&device, loaded.parts.clone(), form);
             scene.context("cannot build the scene")
         };
         let flat = scene(meshes, Form::Flat)?;
         let up = args.view.up();
-        let lighting = args.light.lighting(up, &flat, &meshes.scenery.suns);
+        let lighting = args.light.lighting(up, &flat, &meshes.scenery);
         let has_ground = args.light.ground() != Ground::None;
         let shadows_of = has_ground.then_some(lighting.towards_sun);
         let (cameras, aspect) = (&meshes.scenery.cameras, width as f64 / height as f64);
@@ -78,13 +78,13 @@ impl<'a> Bench<'a> {
             integrator: args.integrator.integrator()?,
             material: args.integrator.material()?,
             show_sky: args.light.show_sky(),
-            lighting,
             albedo: args.light.albedo,
             ground: if has_ground {
                 Ground::under(&scene(lowest.0, lowest.1)?, lighting.sky.up)
             } else {
                 Ground::None
             },
+            lighting,
             ..Picture::new(width, height, camera, up)
         };
         // The first picture of all also starts threads and fetches code: it is not measured.
@@ -142,7 +142,7 @@ impl<'a> Bench<'a> {
         // A device of its own tells how much memory is this scene's.
         let device = device(self.args.threads)?;
         let bar = console.spinner("building");
-        let scene = Scene::new(&device, one.meshes.to_vec(), *form);
+        let scene = Scene::new(&device, one.parts.clone(), *form);
         let scene = scene.context("cannot build the scene")?;
         bar.finish_and_clear();
         let picture = Picture {
@@ -220,7 +220,7 @@ impl<'a> Progress<'a> {
     fn new(contestant: Contestant, loaded: &'a Loaded) -> Self {
         Self {
             contestant,
-            meshes: &loaded.meshes,
+            parts: &loaded.parts,
             load: loaded.time,
             stats: RenderStats::default(),
             times: Vec::new(),
@@ -241,7 +241,9 @@ impl<'a> Progress<'a> {
             render: median(|times| times.render),
         };
         Measured {
-            vertices: self.meshes.iter().map(|m| m.positions().len()).sum(),
+            vertices: (self.parts.meshes.iter())
+                .map(|mesh| mesh.positions().len())
+                .sum(),
             stats: RenderStats {
                 times,
                 ..self.stats

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use curvetri::mesh::{Bounds, Mesh, Scenery};
+use curvetri::mesh::{Parts, Scenery};
 use curvetri::render::{Form, OutputFile};
 
 pub use args::CompareArgs;
@@ -26,7 +26,7 @@ use super::on_threads;
 
 /// Meshes that were read, and how long that took.
 struct Loaded {
-    meshes: Vec<Mesh>,
+    parts: Parts,
     scenery: Scenery,
     time: Duration,
 }
@@ -97,9 +97,9 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<()> {
 impl CompareArgs {
     fn load(&self, paths: &[PathBuf], console: &Console) -> Result<Loaded> {
         let start = Instant::now();
-        let (meshes, scenery) = self.surface.load_all(paths, console)?;
+        let (parts, scenery) = self.surface.load_all(paths, console)?;
         Ok(Loaded {
-            meshes,
+            parts,
             scenery,
             time: start.elapsed(),
         })
@@ -111,8 +111,7 @@ impl CompareArgs {
             return Ok(None);
         }
         let fine = self.load(&self.reference, console)?;
-        let triangles =
-            |loaded: &Loaded| -> usize { loaded.meshes.iter().map(|m| m.triangles().len()).sum() };
+        let triangles = |loaded: &Loaded| loaded.parts.triangles();
         let names = names(&self.reference).join(", ");
         if triangles(&fine) <= triangles(coarse) {
             console.warn(&format!(
@@ -122,7 +121,7 @@ impl CompareArgs {
                 triangles(&fine)
             ));
         }
-        if let (Some(a), Some(b)) = (bounds(&coarse.meshes), bounds(&fine.meshes)) {
+        if let (Some(a), Some(b)) = (coarse.parts.bounds(), fine.parts.bounds()) {
             let off = (a.min - b.min).abs().max((a.max - b.max).abs());
             let share = off.max_element() / a.diagonal();
             if share > 0.1 {
@@ -135,10 +134,6 @@ impl CompareArgs {
         }
         Ok(Some(fine))
     }
-}
-
-fn bounds(meshes: &[Mesh]) -> Option<Bounds> {
-    meshes.iter().map(Mesh::bounds).reduce(Bounds::union)
 }
 
 /// The files' names without their directories.
