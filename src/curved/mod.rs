@@ -13,11 +13,9 @@ mod tessellate;
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use crate::embree::Bounds;
 use crate::mesh::{Mesh, Topology, TopologyCounts};
-use crate::surface::{BoundsKind, Outline, Patch, PatchKind, PatchRecord, Solver, Surface, Vector};
+use crate::surface::{BoundsKind, Corners, Outline, Patch, PatchKind, PatchRecord, Solver, Surface, Vector};
 
 use clusters::Cluster;
 pub use counters::{Counters, counters};
@@ -99,27 +97,19 @@ impl CurvedMesh {
     pub fn new(mesh: Arc<Mesh>, options: &CurvedOptions) -> Self {
         let topology = Topology::new(&mesh);
         let prepared = prepare::prepare(&mesh, &topology, options);
-        let mut curved = Self {
+        let clusters = match options.primitives {
+            Primitives::Triangles => None,
+            Primitives::Clusters => Some(clusters::group(&prepared.bounds)),
+        };
+        Self {
             mesh,
             records: prepared.records,
-            clusters: None,
+            clusters,
             solver: options.solver,
             kinds: prepared.kinds,
             spheres: prepared.spheres,
             topology: *topology.counts(),
-        };
-        if options.primitives == Primitives::Clusters {
-            curved.clusters = Some(curved.clustered());
         }
-        curved
-    }
-
-    fn clustered(&self) -> Box<[Cluster]> {
-        let boxes: Vec<Bounds> = (0..self.records.len() as u32)
-            .into_par_iter()
-            .map(|triangle| self.triangle_bounds(triangle))
-            .collect();
-        clusters::group(&boxes)
     }
 
     fn triangle_bounds(&self, triangle: u32) -> Bounds {
@@ -169,7 +159,7 @@ impl CurvedMesh {
     /// # Panics
     /// If there is no such triangle.
     pub fn patch(&self, triangle: u32) -> Patch<f32> {
-        let (positions, normals) = corners(&self.mesh, triangle as usize);
+        let Corners { positions, normals } = corners(&self.mesh, triangle as usize);
         Patch::from_record(positions, normals, &self.records[triangle as usize])
     }
 
@@ -178,7 +168,7 @@ impl CurvedMesh {
     /// # Panics
     /// If there is no such triangle.
     pub fn oracle(&self, triangle: u32) -> Patch<f64> {
-        let (positions, normals) = corners(&self.mesh, triangle as usize);
+        let Corners { positions, normals } = corners(&self.mesh, triangle as usize);
         let flags = self.records[triangle as usize].flags();
         let wide = |v: [Vector<f32>; 3]| v.map(Vector::to_f64);
         Patch::new(wide(positions), wide(normals), flags)
@@ -187,13 +177,14 @@ impl CurvedMesh {
 
 /// What a triangle's rays are clipped to.
 fn outline<'a>(mesh: &Mesh, triangle: usize, record: &'a PatchRecord) -> Outline<'a, f32> {
-    let (positions, normals) = corners(mesh, triangle);
+    let Corners { positions, normals } = corners(mesh, triangle);
     Outline::new(positions, normals, record)
 }
 
 /// A triangle's positions and normals as the kernel takes them.
-fn corners(mesh: &Mesh, triangle: usize) -> ([Vector<f32>; 3], [Vector<f32>; 3]) {
-    let positions = mesh.triangle_positions(triangle).map(Vector::from);
-    let normals = mesh.triangle_normals(triangle).map(Vector::from);
-    (positions, normals)
+fn corners(mesh: &Mesh, triangle: usize) -> Corners {
+    Corners {
+        positions: mesh.triangle_positions(triangle).map(Vector::from),
+        normals: mesh.triangle_normals(triangle).map(Vector::from),
+    }
 }
