@@ -397,6 +397,7 @@ pub(super) struct HeightNet<S> {
 }
 
 impl<S: Constant> HeightNet<S> {
+    /// Without the correction.
     #[inline(always)]
     pub fn new(patch: &Patch<S>, spread: &Spread<S>) -> Self {
         let third = patch.area2.constant(1.0 / 3.0);
@@ -412,7 +413,6 @@ impl<S: Constant> HeightNet<S> {
             #[inline(always)]
             |i: usize, at: usize| spread.vertices[i].corners[at].times(reach[i]),
         );
-        let loose = loose_reach(patch) * third.constant(1.0 / 9.0);
         let sides = three(
             #[inline(always)]
             |k| {
@@ -420,19 +420,31 @@ impl<S: Constant> HeightNet<S> {
                 // b_i^2 b_j: twice from vertex i's middle, once from vertex j's corner at i.
                 let near_first = middle(i, 0).plus(middle(i, 0)).plus(corner(j, 1));
                 let near_second = middle(j, 1).plus(middle(j, 1)).plus(corner(i, 0));
-                [
-                    near_first.scaled(third).widened(loose),
-                    near_second.scaled(third).widened(loose),
-                ]
+                [near_first.scaled(third), near_second.scaled(third)]
             },
         );
-        let across = middle(0, 2)
-            .plus(middle(1, 2))
-            .plus(middle(2, 2))
-            .scaled(third);
-        let sixth = third.constant(1.0 / 6.0);
-        let centre = across.plus(correction_range(patch).scaled(sixth));
-        Self { sides, centre }
+        let across = middle(0, 2).plus(middle(1, 2)).plus(middle(2, 2));
+        Self {
+            sides,
+            centre: across.scaled(third),
+        }
+    }
+
+    /// With the patch's correction.
+    #[inline(always)]
+    pub fn corrected(self, patch: &Patch<S>) -> Self {
+        let like = patch.area2;
+        let loose = loose_reach(patch) * like.constant(1.0 / 9.0);
+        let widened = inlined(
+            #[inline(always)]
+            |[first, second]: [Range<S>; 2]| [first.widened(loose), second.widened(loose)],
+        );
+        let [a, b, c] = self.sides;
+        let turned = correction_range(patch).scaled(like.constant(1.0 / 6.0));
+        Self {
+            sides: [widened(a), widened(b), widened(c)],
+            centre: self.centre.plus(turned),
+        }
     }
 
     /// The range of all heights.
@@ -520,7 +532,7 @@ impl<S: Scalar> Patch<S> {
     pub fn bounds(&self) -> [Vector<S>; 2] {
         let net = match self.rule {
             Rule::Flat => None,
-            _ => Some(HeightNet::new(self, &spread(self))),
+            _ => Some(HeightNet::new(self, &spread(self)).corrected(self)),
         };
         self.bounds_by(net.as_ref())
     }

@@ -11,7 +11,7 @@ use super::dual::Dual;
 use super::flags::PatchFlags;
 use super::guide::Choice;
 use super::patch::{Patch, next};
-use super::real::{Constant, Jet, Real, each, inlined, three};
+use super::real::{Constant, Jet, Real, each, inlined};
 use super::vector::vector;
 
 /// Where along a side the slope is sampled.
@@ -34,16 +34,13 @@ pub(super) fn fit<S: Constant>(patch: &mut Patch<S>, flags: PatchFlags) {
         |k| {
             if !flags.is_straight(k) {
                 let [first, second] = patch.sides[k].loose;
-                let slopes = three(
-                    #[inline(always)]
-                    |n| {
-                        let at = SAMPLES[n];
-                        let at_first = if first { at } else { 1.0 };
-                        let at_second = if second { 1.0 - at } else { 1.0 };
-                        let kept = strength.constant(at_first * at_second);
-                        slope(patch, k, strength.constant(at)) * strength * kept
-                    },
-                );
+                let mut slopes = [strength; 3];
+                for (to, at) in slopes.iter_mut().zip(SAMPLES) {
+                    let at_first = if first { at } else { 1.0 };
+                    let at_second = if second { 1.0 - at } else { 1.0 };
+                    let kept = strength.constant(at_first * at_second);
+                    *to = slope(patch, k, strength.constant(at)) * strength * kept;
+                }
                 patch.sides[k].correction = quadratic(slopes);
             }
         },

@@ -4,7 +4,7 @@
 //! the origin. Scaling by a power of two is exact, so what belongs to a side comes out bit-equal
 //! in both triangles that share it.
 
-use super::bounds::{self, HeightNet, Spread};
+use super::bounds::{self, HeightNet};
 use super::correction;
 use super::crossing;
 use super::flags::{BoundsKind, PatchFlags, Surface};
@@ -283,22 +283,31 @@ impl<S: Scalar> Patch<S> {
         if self.rule == Rule::Angular {
             self.set_angles();
         }
-        let mut spread = bounds::spread(self);
+        let mut looked_at = self.look();
         if !flags.is_unchecked() {
-            if self.rule == Rule::Tensor && !self.is_tame(&spread) {
+            if self.rule == Rule::Tensor && !(looked_at.tame & looked_at.low) {
                 self.rule = Rule::Angular;
                 self.kind = PatchKind::Fallback;
                 self.set_angles();
-                spread = bounds::spread(self);
+                looked_at = self.look();
             }
-            if !self.is_bounded(&spread) {
+            if !(looked_at.reaches & looked_at.low) || bounds::shears(self) {
                 return Err(FlatReason::Bend);
             }
             if bounds::folds(self) {
                 return Err(FlatReason::Fold);
             }
         }
-        Ok(self.corrected(&spread, flags))
+        if flags.surface() == Surface::Smooth {
+            self.correct(flags);
+        }
+        Ok(looked_at.net.corrected(self))
+    }
+
+    /// As [`Patch::looked_at`]; asked for twice, but there once.
+    #[inline(never)]
+    fn look(&self) -> LookedAt<S> {
+        self.looked_at()
     }
 
     /// The slab of heights, unless the patch is plane.
@@ -411,25 +420,35 @@ impl<S: Constant> Patch<S> {
         agrees
     }
 
-    /// Whether the curvature tensor may be used.
+    /// What the bounds say of the surface by the present rule.
     #[inline(always)]
-    pub(super) fn is_tame(&self, spread: &Spread<S>) -> S::Mask {
-        spread.is_tame() & HeightNet::new(self, spread).is_low(self)
-    }
-
-    /// Whether the surface by the present rule stays near to the triangle.
-    #[inline(always)]
-    pub(super) fn is_bounded(&self, spread: &Spread<S>) -> S::Mask {
-        spread.reaches() & HeightNet::new(self, spread).is_low(self) & !bounds::shears(self)
-    }
-
-    /// Adds the correction that the surface asks for, and bounds the heights.
-    #[inline(always)]
-    pub(super) fn corrected(&mut self, spread: &Spread<S>, flags: PatchFlags) -> HeightNet<S> {
-        if flags.surface() == Surface::Smooth {
-            correction::fit(self, flags);
-            self.round_correction();
+    pub(super) fn looked_at(&self) -> LookedAt<S> {
+        let spread = bounds::spread(self);
+        let net = HeightNet::new(self, &spread);
+        LookedAt {
+            tame: spread.is_tame(),
+            reaches: spread.reaches(),
+            low: net.is_low(self),
+            net,
         }
-        HeightNet::new(self, spread)
     }
+
+    /// Adds the correction.
+    #[inline(always)]
+    pub(super) fn correct(&mut self, flags: PatchFlags) {
+        correction::fit(self, flags);
+        self.round_correction();
+    }
+}
+
+/// What bounds say of a surface.
+pub(super) struct LookedAt<S: Constant> {
+    /// Whether the curvature tensor may be used.
+    pub tame: S::Mask,
+    /// Whether every guide meets every sphere.
+    pub reaches: S::Mask,
+    /// Whether it stays near to the triangle.
+    pub low: S::Mask,
+    /// The heights, without the correction.
+    pub net: HeightNet<S>,
 }

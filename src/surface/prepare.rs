@@ -5,7 +5,7 @@ use fearless_simd::{Level, dispatch, prelude::*};
 
 use super::bounds;
 use super::crossing;
-use super::flags::{BoundsKind, PatchFlags};
+use super::flags::{BoundsKind, PatchFlags, Surface};
 use super::frame::{Frame, SLIVER_AREA};
 use super::lanes::{LaneMask, Patches};
 use super::packet::MAX_LANES;
@@ -22,6 +22,10 @@ pub struct Corners {
     /// Their normals, unit.
     pub normals: [Vector<f32>; 3],
 }
+
+/// Takes a triangle's place in the list and what it was made into. One type for all who ask, since the
+/// code in lanes is large and there for each kind of processor.
+type Take<'a> = &'a mut dyn FnMut(usize, Prepared);
 
 /// What a triangle was made into.
 #[derive(Clone, Copy, Debug)]
@@ -40,8 +44,8 @@ impl Prepared {
     }
 
     /// Triangles with the same flags, each of which is handed on with its place in the list.
-    pub fn each(triangles: &[Corners], flags: PatchFlags, take: impl FnMut(usize, Self)) {
-        Self::each_at(Level::new(), triangles, flags, take);
+    pub fn each(triangles: &[Corners], flags: PatchFlags, mut take: impl FnMut(usize, Self)) {
+        Self::each_at(Level::new(), triangles, flags, &mut take);
     }
 
     /// The same with the instructions of one level.
@@ -49,7 +53,7 @@ impl Prepared {
         level: Level,
         triangles: &[Corners],
         flags: PatchFlags,
-        mut take: impl FnMut(usize, Self),
+        take: Take<'_>,
     ) {
         if flags.is_flat() || flags.is_unchecked() || flags.bounds() == BoundsKind::Sphere {
             for (n, triangle) in triangles.iter().enumerate() {
@@ -57,7 +61,7 @@ impl Prepared {
             }
             return;
         }
-        dispatch!(level, simd => each_in_lanes(simd, triangles, flags, &mut take));
+        dispatch!(level, simd => each_in_lanes(simd, triangles, flags, take));
     }
 }
 
@@ -68,7 +72,7 @@ fn each_in_lanes<S: Simd>(
     simd: S,
     triangles: &[Corners],
     flags: PatchFlags,
-    take: &mut impl FnMut(usize, Prepared),
+    take: Take<'_>,
 ) {
     let mut made = Made::default();
     for (n, group) in triangles.chunks(S::f32s::LEN).enumerate() {
@@ -99,16 +103,25 @@ fn make<S: Simd>(simd: S, group: &[Corners], flags: PatchFlags, made: &mut Made)
     if patch.rule == Rule::Angular {
         patch.set_angles();
     }
-    let spread = bounds::spread(&patch);
-    let LaneMask(tame) = if patch.rule == Rule::Tensor {
-        patch.is_tame(&spread)
-    } else {
-        patch.agrees(&normals)
+    let looked_at = simd.vectorize(
+        #[inline(always)]
+        || patch.looked_at(),
+    );
+    let fits = match patch.rule {
+        Rule::Tensor => looked_at.tame,
+        _ => looked_at.reaches,
     };
-    let LaneMask(curved) = patch.agrees(&normals) & patch.is_bounded(&spread) & !bounds::folds(&patch);
-    taken &= (tame & curved).to_bitmask();
+    let LaneMask(stands) = !(bounds::shears(&patch) | bounds::folds(&patch));
+    let LaneMask(near) = patch.agrees(&normals) & fits & looked_at.low;
+    taken &= (near & stands).to_bitmask();
     if taken != 0 {
-        let net = patch.corrected(&spread, flags);
+        if flags.surface() == Surface::Smooth {
+            simd.vectorize(
+                #[inline(always)]
+                || patch.correct(flags),
+            );
+        }
+        let net = looked_at.net.corrected(&patch);
         made.slab = net.slab().map(column);
         for (to, side) in made.correction.iter_mut().zip(&patch.sides) {
             for (to, &coefficient) in to.iter_mut().zip(&side.correction) {
@@ -116,7 +129,10 @@ fn make<S: Simd>(simd: S, group: &[Corners], flags: PatchFlags, made: &mut Made)
             }
         }
         made.unit = column(patch.correction_unit());
-        made.least_cosine = column(crossing::least_cosine(&patch));
+        made.least_cosine = simd.vectorize(
+            #[inline(always)]
+            || column(crossing::least_cosine(&patch)),
+        );
         let [lower, upper] = patch.tight_box(Some(&net));
         made.bounds = [columns(lower), columns(upper)];
     }
@@ -237,7 +253,6 @@ fn columns<S: Simd>(vector: Vector<Patches<S>>) -> [Column; 3] {
 #[cfg(test)]
 mod tests {
     use super::super::tests::{Random, rounded};
-    use super::super::Surface;
     use super::*;
 
     fn triangles(random: &mut Random) -> Vec<Corners> {
@@ -278,7 +293,7 @@ mod tests {
                 let flags = flags.fold(PatchFlags::new(surface), PatchFlags::with_straight);
                 for level in [Level::new(), Level::baseline()] {
                     let mut next = 0;
-                    Prepared::each_at(level, &triangles, flags, |n, prepared| {
+                    Prepared::each_at(level, &triangles, flags, &mut |n, prepared| {
                         assert_eq!(n, next);
                         next += 1;
                         let alone = Prepared::new(&triangles[n], flags);
