@@ -117,7 +117,7 @@ fn the_next_root_of_the_same_patch_comes_before_other_patches() {
     for options in all_options() {
         let scene = scene(body, &options);
         let (mut same, mut other) = (0, 0);
-        for ray in rays(&scene, 5_000, 52) {
+        for ray in rays(&scene, 10_000, 52) {
             let roots = offered(&scene, &ray);
             if let [first, second] = &roots[..] {
                 let filter = |c: &Candidate| c.hit.t != first.hit.t;

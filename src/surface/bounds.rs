@@ -320,10 +320,9 @@ pub(super) fn shears<S: Constant>(patch: &Patch<S>) -> S::Mask {
 #[inline(always)]
 pub(super) fn folds<S: Constant>(patch: &Patch<S>) -> S::Mask {
     let mut stands = patch.area2.mask(true);
-    each(
-        #[inline(always)]
-        |k| stands = stands & stands_on_side(patch, k),
-    );
+    for k in 0..3 {
+        stands = stands & stands_on_side(patch, k);
+    }
     !stands
 }
 

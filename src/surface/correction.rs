@@ -11,7 +11,7 @@ use super::dual::Dual;
 use super::flags::PatchFlags;
 use super::guide::Choice;
 use super::patch::{Patch, next};
-use super::real::{Constant, Jet, Real, each, inlined};
+use super::real::{Constant, Jet, Real, inlined};
 use super::vector::vector;
 
 /// Where along a side the slope is sampled.
@@ -29,22 +29,21 @@ const THIN: [f64; 2] = [3e-3, 1e-2];
 #[inline(always)]
 pub(super) fn fit<S: Constant>(patch: &mut Patch<S>, flags: PatchFlags) {
     let strength = strength(patch);
-    each(
-        #[inline(always)]
-        |k| {
-            if !flags.is_straight(k) {
-                let [first, second] = patch.sides[k].loose;
-                let mut slopes = [strength; 3];
-                for (to, at) in slopes.iter_mut().zip(SAMPLES) {
-                    let at_first = if first { at } else { 1.0 };
-                    let at_second = if second { 1.0 - at } else { 1.0 };
-                    let kept = strength.constant(at_first * at_second);
-                    *to = slope(patch, k, strength.constant(at)) * strength * kept;
-                }
-                patch.sides[k].correction = quadratic(slopes);
-            }
-        },
-    );
+    // Loops, so that what is inlined is there once.
+    for k in 0..3 {
+        if flags.is_straight(k) {
+            continue;
+        }
+        let [first, second] = patch.sides[k].loose;
+        let mut slopes = [strength; 3];
+        for (to, at) in slopes.iter_mut().zip(SAMPLES) {
+            let at_first = if first { at } else { 1.0 };
+            let at_second = if second { 1.0 - at } else { 1.0 };
+            let kept = strength.constant(at_first * at_second);
+            *to = slope(patch, k, strength.constant(at)) * strength * kept;
+        }
+        patch.sides[k].correction = quadratic(slopes);
+    }
 }
 
 /// 1 for ordinary triangles, fading to 0 where they are very steep or very thin.

@@ -130,7 +130,14 @@ impl<S: Scalar> Patch<S> {
             let there = value.abs().at_most(noise);
             let near = (step.abs() * doubt).at_most(close * slope);
             let before = value.less(zero);
-            let beyond = (before & segment.length.at_most(x)) | (!before & x.at_most(zero));
+            let (late, early) = (
+                before & segment.length.at_most(x),
+                !before & x.at_most(zero),
+            );
+            let beyond = late | early;
+            let there = there
+                | (late & value.abs().at_most(segment.exit_room))
+                | (early & value.at_most(segment.entry_room));
             let found = pending & (there | (near & !beyond));
             crossing.at = V::select(found, V::select(there, x, next), crossing.at);
             crossing.found = crossing.found | found;

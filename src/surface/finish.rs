@@ -41,7 +41,8 @@ impl<V: Real> Bracket<V> {
 /// function is within `noise` of zero.
 ///
 /// Samples up to `parts` equal parts; where three consecutive samples of one sign lie on a parabola
-/// that comes near to zero, it looks there, which finds the two close roots of a grazing ray. `f`
+/// that comes near to zero, it looks there, which finds the two close roots of a grazing ray. Where
+/// there is none, an end counts as one at which the function is as near to zero as `ends` say. `f`
 /// is told the lanes whose value matters. `samples` are its values at the parts' ends where those
 /// are known already.
 #[inline(always)]
@@ -49,6 +50,7 @@ pub(super) fn first_root<V: Real>(
     mut f: impl FnMut(V, V::Mask) -> V,
     length: V,
     [tolerance, noise]: [V; 2],
+    ends: [V; 2],
     alive: V::Mask,
     parts: usize,
     samples: Option<&Samples<V>>,
@@ -94,7 +96,23 @@ pub(super) fn first_root<V: Real>(
         (left, middle) = (middle, right);
     }
     let found = bracket.found;
-    chandrupatla(f, bracket, [tolerance, noise], found)
+    let mut root = chandrupatla(f, bracket, [tolerance, noise], found);
+    for ((at, value), room) in [(zero, first), middle].into_iter().zip(ends) {
+        root.or_end(at, value.abs(), alive & value.abs().at_most(room));
+    }
+    root
+}
+
+impl<V: Real> Root<V> {
+    /// Makes an end of the segment the root, of those lanes that have none.
+    #[inline(always)]
+    fn or_end(&mut self, at: V, value: V, here: V::Mask) {
+        let here = here & !self.found;
+        self.at = V::select(here, at, self.at);
+        self.value = V::select(here, value, self.value);
+        self.width = V::select(here, at.constant(0.0), self.width);
+        self.found = self.found | here;
+    }
 }
 
 /// Looks between three consecutive samples of one sign for a change of sign that they miss: a
@@ -258,7 +276,15 @@ mod tests {
     use super::*;
 
     fn solve(mut f: impl FnMut(f64) -> f64, parts: usize) -> Root<f64> {
-        first_root(|at, _| f(at), 1.0, [1e-14, 0.0], true, parts, None)
+        first_root(
+            |at, _| f(at),
+            1.0,
+            [1e-14, 0.0],
+            [-1.0; 2],
+            true,
+            parts,
+            None,
+        )
     }
 
     #[test]
@@ -282,7 +308,34 @@ mod tests {
     #[test]
     fn no_root_is_a_miss_and_a_dead_lane_stays_dead() {
         assert!(!solve(|x| x * x - x + 0.3, 8).found);
-        assert!(!first_root(|x: f64, _| x - 0.5, 1.0, [1e-14, 0.0], false, 8, None).found);
+        assert!(
+            !first_root(
+                |x: f64, _| x - 0.5,
+                1.0,
+                [1e-14, 0.0],
+                [1.0; 2],
+                false,
+                8,
+                None
+            )
+            .found
+        );
+    }
+
+    #[test]
+    fn an_end_is_a_root_where_it_is_near_enough_to_one_and_there_is_no_other() {
+        let root = |ends, shift: f64| {
+            let f = |x: f64, _| x + shift;
+            first_root(f, 1.0, [1e-14, 0.0], ends, true, 8, None)
+        };
+        let places = [0.01, -1.01, -0.5].map(|shift| root([0.02; 2], shift));
+        assert!(places.iter().all(|root| root.found));
+        assert_eq!(
+            places.map(|root| (root.at * 10.0).round()),
+            [0.0, 10.0, 5.0]
+        );
+        assert!(!root([-1.0, 0.02], 0.01).found && !root([0.02, -1.0], -1.01).found);
+        assert!(!root([0.02; 2], 0.03).found);
     }
 
     #[test]

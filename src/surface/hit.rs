@@ -13,6 +13,10 @@ use super::vector::Vector;
 /// A hit's barycentric coordinates may lie this far outside: neighbours overlap a little.
 const MAX_OUTSIDE: f64 = 9e-5;
 
+/// How far beyond a side a hit may lie by the ray's own rounding, in units of how far beside a guide:
+/// as far as the planes that rays are clipped to, whose normals are not quite as long as is counted on.
+const BESIDE: f64 = 1.25;
+
 /// Most roots of one ray on one patch that are looked at for the first true one.
 const MAX_ROOTS: u32 = 4;
 /// Height of the slab, in units of the patch's size, from which on a ray is sampled twice as densely.
@@ -185,9 +189,7 @@ impl<S: Scalar> Patch<S> {
 
     #[inline(always)]
     fn plane_hit<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Hit<V> {
-        let at = segment.plane_crossing();
-        let inside = at.constant(0.0).at_most(at) & at.at_most(segment.length);
-        let inside = segment.alive & inside;
+        let (at, inside) = segment.plane_crossing();
         let b = segment.projection(at);
         let ([u, v], moved) = self.kept_inside(b, inside);
         let (mut t, mut beside) = (segment.start + at, moved);
@@ -196,7 +198,7 @@ impl<S: Scalar> Patch<S> {
             let [later, off] = segment.passing(self, [u - b[1], v - b[2]]);
             (t, beside) = (t + later, off);
         }
-        let found = inside & beside.at_most(segment.stray_room);
+        let found = inside & beside.at_most(segment.stray_room * at.constant(BESIDE));
         Hit {
             found,
             t,
@@ -274,7 +276,7 @@ impl<S: Scalar> Patch<S> {
             // no root.
             let met = root
                 .value
-                .at_most(segment.stray_room + segment.steps(root.width));
+                .at_most(segment.stray_room + segment.exit_room + segment.steps(root.width));
             let true_root = self.verify(&segment, root.at, root.found & met, &mut hit);
             hit.found = hit.found | true_root;
             segment.alive = root.found & !true_root;
@@ -300,7 +302,7 @@ impl<S: Scalar> Patch<S> {
         let ([u, v], moved) = self.kept_inside(foot.b, found);
         let room = segment.stray_room;
         let on_guide = self.strayed2(&foot, above, z).at_most(room * room);
-        let true_root = found & on_guide & moved.at_most(room);
+        let true_root = found & on_guide & moved.at_most(room * room.constant(BESIDE));
         hit.t = V::select(true_root, segment.start + at, hit.t);
         hit.u = V::select(true_root, u, hit.u);
         hit.v = V::select(true_root, v, hit.v);
@@ -374,7 +376,8 @@ impl<S: Scalar> Patch<S> {
                     count.set(count.get() + parts as u32 + 1);
                 }
                 let close = [segment.tolerance(), self.noise(segment)];
-                finish::first_root(f, length, close, alive, parts, samples.as_ref())
+                let ends = [segment.entry_room, segment.exit_room];
+                finish::first_root(f, length, close, ends, alive, parts, samples.as_ref())
             }
         };
         *evaluations = count.get();

@@ -4,6 +4,7 @@
 use super::frame::Frame;
 use super::ray::{RAY_EPSILONS, Ray};
 use super::real::{Constant, Mask, Real, Scalar, inlined};
+use super::sides::roots;
 use super::sphere::Sphere;
 use super::vector::{Vector, vector};
 
@@ -91,6 +92,7 @@ impl<S: Scalar> Hull<S> {
             Some(_) => S::from_f64(2.0),
             None => frame.area2,
         };
+        let lengths = roots(frame.lengths2);
         let side = inlined(
             #[inline(always)]
             |k: usize, from_origin: Option<Vector<S>>| {
@@ -110,8 +112,8 @@ impl<S: Scalar> Hull<S> {
                         Some(way) => overlap - normal.dot(way),
                         None => overlap,
                     },
-                    // RAY_EPSILONS of the distance over the side's height, and more for the norms.
-                    spread: longest_guide * edge.max_abs() * epsilon(2.0 * RAY_EPSILONS),
+                    // RAY_EPSILONS of the distance: the normal is about as long as this.
+                    spread: longest_guide * lengths[k] * epsilon(RAY_EPSILONS),
                 }
             },
         );

@@ -33,6 +33,12 @@ pub struct Segment<V: Real> {
     /// How far beside a guide a point may lie and still count as on it, in units of the patch's
     /// size: what rounding of the ray comes to.
     pub(super) stray_room: V,
+    /// How near to zero F must be at the start for the ray to count as crossing the surface there: it
+    /// came in through a side, and rounding decides whether it crossed before or behind that. Below
+    /// zero where the ray came in otherwise.
+    pub(super) entry_room: V,
+    /// The same at the end.
+    pub(super) exit_room: V,
     /// Length of the direction in units of the patch's size.
     pub(super) speed: V,
     /// Barycentric coordinates of the vertical projection at the start, and their rates.
@@ -45,6 +51,8 @@ pub struct Segment<V: Real> {
 
 /// How far beside a guide a hit may lie before the ray's own rounding.
 const STRAY_EPSILONS: f64 = 64.0;
+/// Rounding of F itself, beside what the ray's distance adds, in units of epsilon.
+const CLEARANCE_EPSILONS: f64 = 8.0;
 /// The steepest that F is expected to be along a ray, for a unit of its way.
 const STEEPEST: f64 = 8.0;
 /// What a ray from one unit away moves by rounding, in units of epsilon.
@@ -70,7 +78,7 @@ pub(super) fn is_thin<S: Scalar>(patch: &Patch<S>) -> bool {
 }
 
 /// How many numbers a segment is made of.
-pub(super) const SEGMENT_NUMBERS: usize = 12;
+pub(super) const SEGMENT_NUMBERS: usize = 14;
 
 /// How far beyond a root the search for the next one begins, in units of the patch's size.
 const BEYOND: f64 = 1e-5;
@@ -106,10 +114,15 @@ impl<V: Real> Segment<V> {
         let epsilons = distance.splat(S::EPSILON * S::from_f64(RAY_EPSILONS));
         let stray_room =
             distance * epsilons + distance.splat(S::EPSILON * S::from_f64(STRAY_EPSILONS));
+        let exit_room =
+            distance * epsilons + distance.splat(S::EPSILON * S::from_f64(CLEARANCE_EPSILONS));
+        let entered = ray.tnear.less(interval.start);
         Self {
             length: interval.length,
             alive,
             stray_room,
+            entry_room: V::select(entered, exit_room, -exit_room),
+            exit_room,
             ..local
         }
     }
@@ -163,6 +176,8 @@ impl<V: Real> Segment<V> {
             length: end,
             alive: like.mask(true),
             stray_room: zero,
+            entry_room: zero,
+            exit_room: zero,
             speed: along.length(),
             b: coordinates(across.dot(corner), base.dot(corner), one),
             b_rate: coordinates(across.dot(along), base.dot(along), zero),
@@ -198,12 +213,13 @@ impl<V: Real> Segment<V> {
     #[inline(always)]
     pub(super) fn numbers(&self) -> [V; SEGMENT_NUMBERS] {
         let ([b0, b1, b2], [r0, r1, r2]) = (self.b, self.b_rate);
-        let (start, length, room, speed) = (self.start, self.length, self.stray_room, self.speed);
         [
-            start,
-            length,
-            room,
-            speed,
+            self.start,
+            self.length,
+            self.stray_room,
+            self.entry_room,
+            self.exit_room,
+            self.speed,
             b0,
             b1,
             b2,
@@ -222,6 +238,8 @@ impl<V: Real> Segment<V> {
             start,
             length,
             stray_room,
+            entry_room,
+            exit_room,
             speed,
             b0,
             b1,
@@ -237,6 +255,8 @@ impl<V: Real> Segment<V> {
             length,
             alive,
             stray_room,
+            entry_room,
+            exit_room,
             speed,
             b: [b0, b1, b2],
             b_rate: [r0, r1, r2],
@@ -273,6 +293,7 @@ impl<V: Real> Segment<V> {
         self.b = self.projection(at);
         self.z = self.z(at);
         self.start = self.start + at;
+        self.entry_room = -self.exit_room;
         self.length = self.length - at;
         self.alive = self.alive & at.constant(0.0).less(self.length);
     }
@@ -292,9 +313,19 @@ impl<V: Real> Segment<V> {
         )
     }
 
-    /// Where the ray crosses the triangle's plane, in the segment's parameter.
+    /// Where the ray crosses the triangle's plane, in the segment's parameter, and in which lanes it
+    /// does so within the segment.
     #[inline(always)]
-    pub(super) fn plane_crossing(&self) -> V {
-        -(self.z / self.z_rate)
+    pub(super) fn plane_crossing(&self) -> (V, V::Mask) {
+        let at = -(self.z / self.z_rate);
+        let zero = at.constant(0.0);
+        let (early, late) = (at.less(zero), self.length.less(at));
+        let near = (early & self.z.abs().at_most(self.entry_room))
+            | (late & self.z(self.length).abs().at_most(self.exit_room));
+        let within = zero.at_most(at) & at.at_most(self.length);
+        (
+            at.greater(zero).lesser(self.length),
+            self.alive & (within | near),
+        )
     }
 }

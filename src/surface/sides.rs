@@ -192,12 +192,10 @@ pub(super) fn sides<S: Constant>(
 
 /// Three square roots at once.
 #[inline(always)]
-fn roots<S: Constant>([a, b, c]: [S; 3]) -> [S; 3] {
+pub(super) fn roots<S: Constant>([a, b, c]: [S; 3]) -> [S; 3] {
     // Of four, for which there is one instruction.
-    let [a, b, c, _] = [a, b, c, c].map(
-        #[inline(always)]
-        |of| Real::sqrt(of),
-    );
+    let root = <S as Real>::sqrt;
+    let [a, b, c, _] = [root(a), root(b), root(c), root(c)];
     [a, b, c]
 }
 

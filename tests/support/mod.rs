@@ -316,7 +316,9 @@ fn inside_point(traced: &Traced, random: &mut Random) -> Vec3 {
                 continue;
             };
             point = ray.at(0.5 * (first.t + second.t));
-            clear = 0.01 * (second.t - first.t);
+            // nearer than rounding it is not certain which side it is on
+            let rounding = 256.0 * f32::EPSILON * point.abs().max_element();
+            clear = rounding.max(0.01 * (second.t - first.t));
         }
         let inside = (0..9).all(|_| {
             let hits = all_hits(traced, &Ray::new(point, random.direction()));
