@@ -38,10 +38,7 @@ fn torus(triangles: usize) -> Arc<Mesh> {
     Arc::new(Mesh::new(positions, Some(normals), triangles).expect("a torus is a mesh"))
 }
 
-fn counted<'a, 'b>(
-    bencher: Bencher<'a, 'b>,
-    mesh: &Mesh,
-) -> Bencher<'a, 'b> {
+fn counted<'a, 'b>(bencher: Bencher<'a, 'b>, mesh: &Mesh) -> Bencher<'a, 'b> {
     bencher.counter(ItemsCount::new(mesh.triangles().len()))
 }
 
@@ -70,7 +67,8 @@ fn patches(bencher: Bencher<'_, '_>, triangles: usize) {
 #[divan::bench(args = SIZES)]
 fn curved(bencher: Bencher<'_, '_>, triangles: usize) {
     let mesh = torus(triangles);
-    counted(bencher, &mesh).bench_local(|| CurvedMesh::new(mesh.clone(), &CurvedOptions::default()));
+    counted(bencher, &mesh)
+        .bench_local(|| CurvedMesh::new(mesh.clone(), &CurvedOptions::default()));
 }
 
 fn commit(device: &Device, geometry: GeometryBuilder) {
@@ -85,7 +83,10 @@ fn curved_tree(bencher: Bencher<'_, '_>, triangles: usize) {
     let curved = Arc::new(CurvedMesh::new(mesh.clone(), &CurvedOptions::default()));
     let device = Device::new().expect("a device");
     counted(bencher, &mesh).bench_local(|| {
-        commit(&device, Geometry::user(&device, curved.clone()).expect("a geometry"));
+        commit(
+            &device,
+            Geometry::user(&device, curved.clone()).expect("a geometry"),
+        );
     });
 }
 

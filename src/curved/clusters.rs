@@ -127,14 +127,15 @@ impl Cluster {
         };
         for axis in 0..3 {
             cluster.step[axis] = step(all.lower[axis], all.upper[axis]);
-        }
-        for (n, member) in members.iter().enumerate() {
-            cluster.triangles[n] = member.triangle;
-            for axis in 0..3 {
-                let (lower, upper) = (bounds[n].lower[axis], bounds[n].upper[axis]);
-                cluster.lower[axis][n] = cluster.step_below(axis, lower);
-                cluster.upper[axis][n] = cluster.step_above(axis, upper);
+            let per_step = 1.0 / cluster.step[axis];
+            for (n, bounds) in bounds[..members.len()].iter().enumerate() {
+                let (lower, upper) = (bounds.lower[axis], bounds.upper[axis]);
+                cluster.lower[axis][n] = cluster.step_below(axis, lower, per_step);
+                cluster.upper[axis][n] = cluster.step_above(axis, upper, per_step);
             }
+        }
+        for (place, member) in cluster.triangles.iter_mut().zip(members) {
+            *place = member.triangle;
         }
         cluster
     }
@@ -158,18 +159,18 @@ impl Cluster {
         self.corner[axis] + self.step[axis] * f32::from(steps)
     }
 
-    /// The greatest number of steps that leads no further than this.
-    fn step_below(&self, axis: usize, to: f32) -> u8 {
-        let mut steps = ((to - self.corner[axis]) / self.step[axis]).floor() as u8;
+    /// The greatest number of steps, but for rounding, that leads no further than this.
+    fn step_below(&self, axis: usize, to: f32, per_step: f32) -> u8 {
+        let mut steps = ((to - self.corner[axis]) * per_step) as u8;
         while steps > 0 && self.at(axis, steps) > to {
             steps -= 1;
         }
         steps
     }
 
-    /// The least number of steps that leads as far as this.
-    fn step_above(&self, axis: usize, to: f32) -> u8 {
-        let mut steps = ((to - self.corner[axis]) / self.step[axis]).ceil() as u8;
+    /// The least number of steps, but for rounding, that leads as far as this.
+    fn step_above(&self, axis: usize, to: f32, per_step: f32) -> u8 {
+        let mut steps = ((to - self.corner[axis]) * per_step) as u8;
         while steps < u8::MAX && self.at(axis, steps) < to {
             steps += 1;
         }

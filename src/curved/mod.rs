@@ -15,7 +15,9 @@ use std::sync::Arc;
 
 use crate::embree::Bounds;
 use crate::mesh::{Mesh, Topology, TopologyCounts};
-use crate::surface::{BoundsKind, Corners, Outline, Patch, PatchKind, PatchRecord, Solver, Surface, Vector};
+use crate::surface::{
+    BoundsKind, Corners, Outline, Patch, PatchKind, PatchRecord, Solver, Surface, Vector,
+};
 
 use clusters::Cluster;
 pub use counters::{Counters, counters};

@@ -230,7 +230,10 @@ impl Use {
     /// Sides are numbered below [`MAX_INDICES`](super::MAX_INDICES), 2^31, which leaves one bit.
     fn pack(self) -> (u64, u32) {
         let side = self.side << 1 | u32::from(self.rises);
-        (u64::from(self.higher) << 32 | u64::from(side), self.opposite)
+        (
+            u64::from(self.higher) << 32 | u64::from(side),
+            self.opposite,
+        )
     }
 
     fn unpack((packed, opposite): (u64, u32)) -> Self {
@@ -250,7 +253,11 @@ fn corners<'a>(mesh: &'a Mesh, place_of: &[u32], places: usize) -> Cow<'a, [[u32
         return Cow::Borrowed(&mesh.triangles);
     }
     let places = |triangle: &[u32; 3]| triangle.map(|v| place_of[v as usize]);
-    mesh.triangles.par_iter().map(places).collect::<Vec<_>>().into()
+    mesh.triangles
+        .par_iter()
+        .map(places)
+        .collect::<Vec<_>>()
+        .into()
 }
 
 /// Whether two corners are in one place.
@@ -422,7 +429,8 @@ impl<'a> Build<'a> {
     fn meeting(&self, a: &Use, b: &Use) -> SideKind {
         let same_direction = a.rises == b.rises;
         let same_normals = !self.has_split || self.ends(a) == self.ends(b);
-        if same_direction && !(same_normals && self.is_backward(a.side) != self.is_backward(b.side)) {
+        if same_direction && !(same_normals && self.is_backward(a.side) != self.is_backward(b.side))
+        {
             SideKind::Flipped
         } else if same_normals || self.have_opposite_normals(a, b) {
             SideKind::Smooth
@@ -478,7 +486,11 @@ impl<'a> Build<'a> {
         let t = self.mesh.triangles[of_side.side as usize / 3];
         let k = of_side.side as usize % 3;
         let (from, to) = (t[k], t[(k + 1) % 3]);
-        if of_side.rises { [from, to] } else { [to, from] }
+        if of_side.rises {
+            [from, to]
+        } else {
+            [to, from]
+        }
     }
 
     /// Whether a triangle's own normals say that its front is where it winds clockwise. The method

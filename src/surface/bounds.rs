@@ -93,11 +93,7 @@ pub(super) fn spread<S: Constant>(patch: &Patch<S>) -> Spread<S> {
 }
 
 #[inline(always)]
-fn vertex_spread<S: Constant>(
-    patch: &Patch<S>,
-    i: usize,
-    curvature: Range<S>,
-) -> VertexSpread<S> {
+fn vertex_spread<S: Constant>(patch: &Patch<S>, i: usize, curvature: Range<S>) -> VertexSpread<S> {
     let (zero, one) = (patch.area2.constant(0.0), patch.area2.constant(1.0));
     let (middles, corners) = offset_coefficients(patch, i, curvature);
     let offset = Range::of(zero).hull(middles[0]).hull(middles[1]);
@@ -191,11 +187,7 @@ type Offsets<S> = ([Range<S>; 3], [Range<S>; 2]);
 
 /// Quadratic Bernstein coefficients of `C_i`, before damping.
 #[inline(always)]
-fn offset_coefficients<S: Constant>(
-    patch: &Patch<S>,
-    i: usize,
-    curvature: Range<S>,
-) -> Offsets<S> {
+fn offset_coefficients<S: Constant>(patch: &Patch<S>, i: usize, curvature: Range<S>) -> Offsets<S> {
     let (j, k) = (next(i), next(next(i)));
     let (to_j, to_k) = (&patch.sides[i], &patch.sides[k]);
     let half = patch.area2.constant(-0.5);
@@ -353,8 +345,8 @@ fn stands_on_side<S: Constant>(patch: &Patch<S>, k: usize) -> S::Mask {
         let lift =
             (one - along) * end_lift(patch, k, 0, along) + along * end_lift(patch, k, 1, along);
         let near_first = along.at_most(centroid);
-        let room = S::select(near_first, rise(0), rise(1))
-            / S::select(near_first, one - along, along);
+        let room =
+            S::select(near_first, rise(0), rise(1)) / S::select(near_first, one - along, along);
         stands = stands & (side.tilt * lift).less(most * room);
     }
     stands

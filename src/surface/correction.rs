@@ -55,7 +55,9 @@ fn strength<S: Constant>(patch: &Patch<S>) -> S {
         #[inline(always)]
         |value: S, [from, to]: [f64; 2]| {
             let share = (value - value.constant(from)) * value.constant(1.0 / (to - from));
-            share.greater(value.constant(0.0)).lesser(value.constant(1.0))
+            share
+                .greater(value.constant(0.0))
+                .lesser(value.constant(1.0))
         },
     );
     let steepest = a.normal.lesser(b.normal).lesser(c.normal);

@@ -378,7 +378,8 @@ impl<S: Constant> Patch<S> {
                 // Over twice the normals' mean cosine, near enough for a guess.
                 let upright = patch.vertices[k].normal + patch.vertices[next(k)].normal;
                 let quarter = zero.constant(0.25);
-                patch.sides[k].bulge = patch.mean_bend(k) * (upright * quarter - zero.constant(1.0));
+                patch.sides[k].bulge =
+                    patch.mean_bend(k) * (upright * quarter - zero.constant(1.0));
             },
         );
         patch

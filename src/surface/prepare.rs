@@ -49,12 +49,7 @@ impl Prepared {
     }
 
     /// The same with the instructions of one level.
-    fn each_at(
-        level: Level,
-        triangles: &[Corners],
-        flags: PatchFlags,
-        take: Take<'_>,
-    ) {
+    fn each_at(level: Level, triangles: &[Corners], flags: PatchFlags, take: Take<'_>) {
         if flags.is_flat() || flags.is_unchecked() || flags.bounds() == BoundsKind::Sphere {
             for (n, triangle) in triangles.iter().enumerate() {
                 take(n, Self::new(triangle, flags));
@@ -68,12 +63,7 @@ impl Prepared {
 /// A register's lanes of triangles at a time; those that the method does not take as they are, one by
 /// one: there are few.
 #[inline(always)]
-fn each_in_lanes<S: Simd>(
-    simd: S,
-    triangles: &[Corners],
-    flags: PatchFlags,
-    take: Take<'_>,
-) {
+fn each_in_lanes<S: Simd>(simd: S, triangles: &[Corners], flags: PatchFlags, take: Take<'_>) {
     let mut made = Made::default();
     for (n, group) in triangles.chunks(S::f32s::LEN).enumerate() {
         let taken = make(simd, group, flags, &mut made);
@@ -147,7 +137,9 @@ fn lay(group: &[Corners]) -> Option<(u64, [Laid; MAX_LANES])> {
         let frame = Frame::new(&triangle.positions, &triangle.normals);
         frame.filter(|frame| frame.area2 >= SLIVER_AREA as f32)
     };
-    let first = group.iter().position(|triangle| frame(triangle).is_some())?;
+    let first = group
+        .iter()
+        .position(|triangle| frame(triangle).is_some())?;
     let mut laid = [(frame(&group[first])?, group[first].normals); MAX_LANES];
     let mut there = 0;
     for (lane, triangle) in group.iter().enumerate().skip(first) {
@@ -278,7 +270,9 @@ mod tests {
 
     /// Each number's bits, of which NaN has some as well.
     fn bits(prepared: &Prepared) -> String {
-        let corners = prepared.bounds.map(|corner| corner.to_array().map(f32::to_bits));
+        let corners = prepared
+            .bounds
+            .map(|corner| corner.to_array().map(f32::to_bits));
         format!("{:?} {corners:?}", prepared.record)
     }
 

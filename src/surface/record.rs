@@ -65,7 +65,9 @@ impl PatchRecord {
         let per_unit = 1.0 / heights.unit;
         Self {
             slab: heights.slab,
-            correction: heights.correction.map(|side| side.map(|c| (c * per_unit) as i16)),
+            correction: heights
+                .correction
+                .map(|side| side.map(|c| (c * per_unit) as i16)),
             flags,
             kind: kind.expect("every kind is in the list") as u8,
             steepness: heights.steepness,
