@@ -1,4 +1,4 @@
-//! Height bounds, tight boxes, and whether the method can take a triangle: all conservative.
+//! Height bounds, and whether the method can take a triangle: all conservative.
 //!
 //! The height over a foot is `h = sum b_i C_i q_i`, where `C_i` is how far the foot is from the
 //! sphere of vertex i and `q_i = 1 / (B_i + sqrt(B_i^2 - A_i C_i))`. The products `b_i C_i` are
@@ -7,18 +7,14 @@
 //! with the control points of the plane triangle they bound the surface itself.
 
 use super::height::MIN_DAMPING_FACTOR;
-use super::patch::{Patch, PatchKind, Rule, next};
+use super::patch::{Patch, Rule, next};
 use super::range::Range;
-use super::real::{Constant, Real, Scalar, each, inlined, three};
-use super::vector::{Vector, vector};
+use super::real::{Constant, Real, each, inlined, three};
 
 /// Least share of `n.nc` that `B` must keep for the guides to reach the spheres.
 const MIN_REACH: f64 = 0.1;
 /// Least `(B^2 - A C) / B^2` at which the curvature tensor is taken.
 const MIN_DISCRIMINANT: f64 = 0.1;
-/// Largest share of the way to the median by which a guide on the side may lean over at the
-/// surface's height, before the guide field counts as folded.
-const MAX_FOLD: f64 = 0.7;
 /// Greatest bound on the height, in units of the patch's size, at which a triangle is still taken:
 /// beyond it the normals contradict the triangle, and its box would cover half the scene.
 const MAX_HEIGHT: f64 = 8.0;
@@ -43,9 +39,6 @@ struct VertexSpread<S> {
 /// Greatest curvature, in units of the longest side, at which the angular rule is taken: it takes
 /// the difference of two angles times this, and in `f32` the rest is rounding.
 const MAX_ANGULAR_CURVATURE: f64 = 30.0;
-
-/// Greatest slope between the middles of two sides.
-const MAX_SHEAR: f64 = 1.0;
 
 /// The ranges of everything the heights depend on.
 pub(super) struct Spread<S: Real> {
@@ -286,99 +279,6 @@ impl<S: Constant> Spread<S> {
     }
 }
 
-/// Whether two sides bulge so differently, for how close they run, that the surface between them
-/// would stand like a wall: a needle with one straight side and one curved one.
-#[inline(always)]
-pub(super) fn shears<S: Constant>(patch: &Patch<S>) -> S::Mask {
-    let [a, b, c] = &patch.sides;
-    let least = a.height.lesser(b.height).lesser(c.height);
-    // A side's middle is about an eighth of its mean bend off the plane.
-    let most = least * least.constant(8.0 * MAX_SHEAR);
-    let mut runs = least.mask(true);
-    each(
-        #[inline(always)]
-        |k| {
-            let apart = patch.mean_bend(k) - patch.mean_bend(next(k));
-            runs = runs & apart.abs().less(most);
-        },
-    );
-    !runs
-}
-
-/// Whether the guides of some side lean over so far, at the surface's height, that they come near
-/// to crossing those of the median; where they did, the surface would crack.
-///
-/// Looks at the limits at both ends of a side, at the median's corner, and halfway.
-#[inline(always)]
-pub(super) fn folds<S: Constant>(patch: &Patch<S>) -> S::Mask {
-    let mut stands = patch.area2.mask(true);
-    for k in 0..3 {
-        stands = stands & stands_on_side(patch, k);
-    }
-    !stands
-}
-
-/// Whether the guides of a side do not fold.
-#[inline(always)]
-fn stands_on_side<S: Constant>(patch: &Patch<S>, k: usize) -> S::Mask {
-    let side = &patch.sides[k];
-    let like = side.foot;
-    let (zero, half, one) = (like.constant(0.0), like.constant(0.5), like.constant(1.0));
-    let most = like.constant(MAX_FOLD);
-    let third = like.constant(1.0 / 3.0);
-    let centroid = S::select(side.obtuse, half, (one + side.foot) * third);
-    let ramp = ramp_rise(side.foot);
-    let rise = inlined(
-        #[inline(always)]
-        |end: usize| S::select(side.obtuse, ramp[end], side.rise[end]),
-    );
-    let places = [
-        zero,
-        centroid * half,
-        centroid,
-        (one + centroid) * half,
-        one,
-    ];
-    let mut stands = like.mask(true);
-    for along in places {
-        // The height over lambda (1 - lambda), and the median over the same.
-        let lift =
-            (one - along) * end_lift(patch, k, 0, along) + along * end_lift(patch, k, 1, along);
-        let near_first = along.at_most(centroid);
-        let room =
-            S::select(near_first, rise(0), rise(1)) / S::select(near_first, one - along, along);
-        stands = stands & (side.tilt * lift).less(most * room);
-    }
-    stands
-}
-
-/// What [`Side::rise`](super::patch::Side::rise) is to the paper's planes, for the ramp of obtuse
-/// triangles: the ramp `b_m / min(b_i, b_j)` is steepest at the median or at the side.
-#[inline(always)]
-fn ramp_rise<S: Constant>(foot: S) -> [S; 2] {
-    let one = foot.constant(1.0);
-    let steepness = inlined(
-        #[inline(always)]
-        |reach: S| one / (reach * reach).greater(one),
-    );
-    [steepness(one + foot), steepness(one + one - foot)]
-}
-
-/// `t_i / (lambda (1 - lambda) b_i)` on side `k`, where the guide is perpendicular to the side.
-#[inline(always)]
-fn end_lift<S: Constant>(patch: &Patch<S>, k: usize, end: usize, along: S) -> S {
-    let side = &patch.sides[k];
-    let vertex = &patch.vertices[if end == 0 { k } else { next(k) }];
-    let one = along.constant(1.0);
-    let share = along * (one - along);
-    let floor = along.constant(MIN_DAMPING_FACTOR);
-    let bend = -side.bend[end] * (one - side.damping * share).greater(floor);
-    let half_b = vertex.normal + side.lean * vertex.inward[k];
-    let a = side.bend[end] / side.length2 * (one + side.lean * side.lean);
-    let discriminant = half_b * half_b - a * bend * share;
-    bend / (half_b + Real::sqrt(discriminant.greater(along.constant(0.0))))
-}
-
 /// Bernstein coefficients of the height, each with its range: the three corners are zero, then
 /// the sides' inner points and the centre.
 pub(super) struct HeightNet<S> {
@@ -515,116 +415,4 @@ fn correction_range<S: Constant>(patch: &Patch<S>) -> Range<S> {
         |k| slope_range(patch, k),
     );
     a.hull(b).hull(c).widened(loose_reach(patch))
-}
-
-impl<S: Scalar> Patch<S> {
-    /// A box that contains the surface, in the units and axes of the positions: lower and upper
-    /// corner. Tight, or the sphere's, as [the flags](super::PatchFlags::with_bounds) ask for. Conservative, rounding included; empty (`lower > upper`) for a degenerate triangle.
-    pub fn bounds(&self) -> [Vector<S>; 2] {
-        let net = match self.rule {
-            Rule::Flat => None,
-            _ => Some(HeightNet::new(self, &spread(self)).corrected(self)),
-        };
-        self.bounds_by(net.as_ref())
-    }
-
-    /// The same, of what is known of the heights unless the patch is flat.
-    pub(super) fn bounds_by(&self, net: Option<&HeightNet<S>>) -> [Vector<S>; 2] {
-        if self.kind() == PatchKind::Degenerate {
-            let huge = S::HUGE;
-            return [huge, -huge].map(|v| Vector { x: v, y: v, z: v });
-        }
-        match self.sphere() {
-            Some(sphere) => sphere.bounds(self),
-            None => self.tight_box(net),
-        }
-    }
-}
-
-impl<S: Constant> Patch<S> {
-    /// The least box that is known to hold the surface over heights in these ranges, or the plane
-    /// triangle.
-    #[inline(always)]
-    pub(super) fn tight_box(&self, net: Option<&HeightNet<S>>) -> [Vector<S>; 2] {
-        let x = self.axis_range(
-            net,
-            #[inline(always)]
-            |v| v.x,
-        );
-        let y = self.axis_range(
-            net,
-            #[inline(always)]
-            |v| v.y,
-        );
-        let z = self.axis_range(
-            net,
-            #[inline(always)]
-            |v| v.z,
-        );
-        [vector(x.lo, y.lo, z.lo), vector(x.hi, y.hi, z.hi)]
-    }
-
-    /// The range of one coordinate over the surface.
-    #[inline(always)]
-    fn axis_range(
-        &self,
-        net: Option<&HeightNet<S>>,
-        of: impl Fn(Vector<S>) -> S + Copy,
-    ) -> Range<S> {
-        let zero = self.area2.constant(0.0);
-        let points = [zero, of(self.spokes[0]), of(self.spokes[1])];
-        let mut hull = Range::between(points[1], points[2]).hull(Range::of(zero));
-        if let Some(net) = net {
-            let guide = self.guide_range(of);
-            let third = zero.constant(1.0 / 3.0);
-            each(
-                #[inline(always)]
-                |k| {
-                    let (p, q) = (points[k], points[next(k)]);
-                    let near = [(p + p + q) * third, (p + q + q) * third];
-                    for end in 0..2 {
-                        let out = net.sides[k][end].times(guide);
-                        hull = hull.hull(out.plus(Range::of(near[end])));
-                    }
-                },
-            );
-            let centre = (points[1] + points[2]) * third;
-            hull = hull.hull(net.centre.times(guide).plus(Range::of(centre)));
-        }
-        self.in_space(hull, of)
-    }
-
-    /// A range of one coordinate inside the patch as one of the positions' coordinate, with room for
-    /// what rounding moves: inside, and in adding the origin again.
-    #[inline(always)]
-    pub(super) fn in_space(&self, hull: Range<S>, of: impl Fn(Vector<S>) -> S) -> Range<S> {
-        let epsilons = inlined(
-            #[inline(always)]
-            |count: f64| hull.lo.constant(count * S::PRECISION),
-        );
-        let hull = hull.widened(epsilons(32.0) + hull.max_abs() * epsilons(8.0));
-        let origin = of(self.origin);
-        let outside = (origin.abs() + hull.max_abs() * self.size) * epsilons(4.0);
-        Range {
-            lo: hull.lo * self.size + origin,
-            hi: hull.hi * self.size + origin,
-        }
-        .widened(outside)
-    }
-
-    /// The range of one coordinate of the guide vectors.
-    #[inline(always)]
-    fn guide_range(&self, of: impl Fn(Vector<S>) -> S) -> Range<S> {
-        let upright = of(self.normal);
-        let mut guide = Range::of(upright);
-        each(
-            #[inline(always)]
-            |k| {
-                let side = &self.sides[k];
-                let inward = of(self.gradients[next(next(k))]) * side.height;
-                guide = guide.hull(Range::of(upright + side.lean * inward));
-            },
-        );
-        guide
-    }
 }

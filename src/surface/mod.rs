@@ -17,11 +17,13 @@
 #![allow(clippy::suspicious_arithmetic_impl)]
 
 mod bounds;
+mod boxes;
 mod correction;
 mod crossing;
 mod dual;
 mod finish;
 mod flags;
+mod folds;
 mod frame;
 mod guide;
 mod height;

@@ -8,6 +8,7 @@ use super::bounds::{self, HeightNet};
 use super::correction;
 use super::crossing;
 use super::flags::{BoundsKind, PatchFlags, Surface};
+use super::folds;
 use super::frame::{Frame, SLIVER_AREA};
 use super::hull::Hull;
 use super::outline::Outline;
@@ -291,10 +292,10 @@ impl<S: Scalar> Patch<S> {
                 self.set_angles();
                 looked_at = self.look();
             }
-            if !(looked_at.reaches & looked_at.low) || bounds::shears(self) {
+            if !(looked_at.reaches & looked_at.low) || folds::shears(self) {
                 return Err(FlatReason::Bend);
             }
-            if bounds::folds(self) {
+            if folds::folds(self) {
                 return Err(FlatReason::Fold);
             }
         }

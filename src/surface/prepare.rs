@@ -3,9 +3,9 @@
 
 use fearless_simd::{Level, dispatch, prelude::*};
 
-use super::bounds;
 use super::crossing;
 use super::flags::{BoundsKind, PatchFlags, Surface};
+use super::folds;
 use super::frame::{Frame, SLIVER_AREA};
 use super::lanes::{LaneMask, Patches};
 use super::packet::MAX_LANES;
@@ -101,7 +101,7 @@ fn make<S: Simd>(simd: S, group: &[Corners], flags: PatchFlags, made: &mut Made)
         Rule::Tensor => looked_at.tame,
         _ => looked_at.reaches,
     };
-    let LaneMask(stands) = !(bounds::shears(&patch) | bounds::folds(&patch));
+    let LaneMask(stands) = !(folds::shears(&patch) | folds::folds(&patch));
     let LaneMask(near) = patch.agrees(&normals) & fits & looked_at.low;
     taken &= (near & stands).to_bitmask();
     if taken != 0 {
