@@ -7,7 +7,8 @@
 
 use curvetri::curved::CurvedOptions;
 use curvetri::surface::{
-    KeptPatch, Patch, PatchFlags, PatchRecord, Ray, RayLanes, Solver, Surface, Vector, vector,
+    Corners, KeptPatch, Patch, PatchFlags, PatchRecord, Ray, RayLanes, Solver, Surface, Vector,
+    vector,
 };
 use divan::{Bencher, black_box};
 
@@ -91,11 +92,11 @@ impl Triangle {
     }
 
     fn kept(&self) -> KeptPatch<'_> {
-        KeptPatch::new(
-            black_box(self.positions),
-            black_box(self.normals),
-            black_box(&self.record),
-        )
+        let corners = Corners {
+            positions: black_box(self.positions),
+            normals: black_box(self.normals),
+        };
+        KeptPatch::new(corners, black_box(&self.record))
     }
 
     /// Rays of one fate, from about one unit away.

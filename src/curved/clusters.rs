@@ -2,6 +2,7 @@
 //! the boxes of all its triangles in two cache lines, tested at once.
 
 use fearless_simd::{Level, Simd, dispatch};
+use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::embree::{Bounds, Ray};
@@ -41,54 +42,81 @@ pub(super) struct Entries {
     at: [f32; SIZE],
 }
 
+/// A triangle where its box's centre is, twice as far from the origin.
+#[derive(Clone, Copy)]
+struct Centre {
+    at: [f32; 3],
+    triangle: u32,
+}
+
 /// Groups triangles by place. Triangles with an empty box are left out: nothing hits them.
 pub(super) fn group(boxes: &[Bounds]) -> Box<[Cluster]> {
-    let mut order: Vec<u32> = (0..boxes.len() as u32)
+    let mut centres: Vec<Centre> = (0..boxes.len() as u32)
         .into_par_iter()
-        .filter(|&triangle| !boxes[triangle as usize].is_empty())
+        .zip(boxes)
+        .filter(|(_, bounds)| !bounds.is_empty())
+        .map(|(triangle, bounds)| Centre {
+            at: (bounds.lower + bounds.upper).to_array(),
+            triangle,
+        })
         .collect();
-    split(boxes, &mut order);
-    order
+    split(&mut centres);
+    centres
         .par_chunks(SIZE)
-        .map(|triangles| Cluster::new(boxes, triangles))
+        .map(|members| Cluster::new(boxes, members))
         .collect()
 }
 
 /// Sorts triangles such that every run of [`SIZE`] from the first on is a compact one: by the boxes'
 /// centres, halved along the longest axis again and again, at a multiple of the size.
-fn split(boxes: &[Bounds], order: &mut [u32]) {
-    if order.len() <= SIZE {
+fn split(centres: &mut [Centre]) {
+    if centres.len() <= SIZE {
         return;
     }
-    let centre = |triangle: u32| boxes[triangle as usize].lower + boxes[triangle as usize].upper;
-    let first = centre(order[0]);
-    let (lower, upper) = order[1..]
-        .iter()
-        .fold((first, first), |(lower, upper), &t| {
-            (lower.min(centre(t)), upper.max(centre(t)))
-        });
-    let axis = (upper - lower).max_position();
-    let half = (order.len() / 2).next_multiple_of(SIZE);
-    // The numbers decide between equal centres, so that the same mesh gives the same clusters.
-    order.select_nth_unstable_by(half, |&a, &b| {
-        let along = centre(a)[axis].total_cmp(&centre(b)[axis]);
-        along.then(a.cmp(&b))
-    });
-    let (left, right) = order.split_at_mut(half);
+    let half = (centres.len() / 2).next_multiple_of(SIZE);
+    match longest_axis(centres) {
+        0 => halve::<0>(centres, half),
+        1 => halve::<1>(centres, half),
+        _ => halve::<2>(centres, half),
+    }
+    let (left, right) = centres.split_at_mut(half);
     if left.len() > 1 << 12 {
-        rayon::join(|| split(boxes, left), || split(boxes, right));
+        rayon::join(|| split(left), || split(right));
     } else {
-        split(boxes, left);
-        split(boxes, right);
+        split(left);
+        split(right);
     }
 }
 
+/// Moves what is lower along an axis before what is higher.
+fn halve<const AXIS: usize>(centres: &mut [Centre], half: usize) {
+    // The numbers decide between equal centres, so that the same mesh gives the same clusters.
+    centres.select_nth_unstable_by(half, |a, b| {
+        let along = a.at[AXIS].total_cmp(&b.at[AXIS]);
+        along.then(a.triangle.cmp(&b.triangle))
+    });
+}
+
+/// The axis along which centres lie furthest apart.
+fn longest_axis(centres: &[Centre]) -> usize {
+    let first = Vec3::from(centres[0].at);
+    let (lower, upper) = centres
+        .iter()
+        .fold((first, first), |(lower, upper), centre| {
+            let at = Vec3::from(centre.at);
+            (lower.min(at), upper.max(at))
+        });
+    (upper - lower).max_position()
+}
+
 impl Cluster {
-    fn new(boxes: &[Bounds], members: &[u32]) -> Self {
-        let of = |triangle: u32| &boxes[triangle as usize];
-        let all = members
-            .iter()
-            .fold(Bounds::EMPTY, |all, &triangle| all.union(*of(triangle)));
+    fn new(boxes: &[Bounds], members: &[Centre]) -> Self {
+        let mut all = Bounds::EMPTY;
+        let mut bounds = [Bounds::EMPTY; SIZE];
+        for (bounds, member) in bounds.iter_mut().zip(members) {
+            *bounds = boxes[member.triangle as usize];
+            all = all.union(*bounds);
+        }
         let mut cluster = Self {
             corner: all.lower.to_array(),
             step: [0.0; 3],
@@ -99,14 +127,15 @@ impl Cluster {
         };
         for axis in 0..3 {
             cluster.step[axis] = step(all.lower[axis], all.upper[axis]);
-        }
-        for (n, &triangle) in members.iter().enumerate() {
-            cluster.triangles[n] = triangle;
-            for axis in 0..3 {
-                let (lower, upper) = (of(triangle).lower[axis], of(triangle).upper[axis]);
-                cluster.lower[axis][n] = cluster.step_below(axis, lower);
-                cluster.upper[axis][n] = cluster.step_above(axis, upper);
+            let per_step = 1.0 / cluster.step[axis];
+            for (n, bounds) in bounds[..members.len()].iter().enumerate() {
+                let (lower, upper) = (bounds.lower[axis], bounds.upper[axis]);
+                cluster.lower[axis][n] = cluster.step_below(axis, lower, per_step);
+                cluster.upper[axis][n] = cluster.step_above(axis, upper, per_step);
             }
+        }
+        for (place, member) in cluster.triangles.iter_mut().zip(members) {
+            *place = member.triangle;
         }
         cluster
     }
@@ -130,18 +159,18 @@ impl Cluster {
         self.corner[axis] + self.step[axis] * f32::from(steps)
     }
 
-    /// The greatest number of steps that leads no further than this.
-    fn step_below(&self, axis: usize, to: f32) -> u8 {
-        let mut steps = ((to - self.corner[axis]) / self.step[axis]).floor() as u8;
+    /// The greatest number of steps, but for rounding, that leads no further than this.
+    fn step_below(&self, axis: usize, to: f32, per_step: f32) -> u8 {
+        let mut steps = ((to - self.corner[axis]) * per_step) as u8;
         while steps > 0 && self.at(axis, steps) > to {
             steps -= 1;
         }
         steps
     }
 
-    /// The least number of steps that leads as far as this.
-    fn step_above(&self, axis: usize, to: f32) -> u8 {
-        let mut steps = ((to - self.corner[axis]) / self.step[axis]).ceil() as u8;
+    /// The least number of steps, but for rounding, that leads as far as this.
+    fn step_above(&self, axis: usize, to: f32, per_step: f32) -> u8 {
+        let mut steps = ((to - self.corner[axis]) * per_step) as u8;
         while steps < u8::MAX && self.at(axis, steps) < to {
             steps += 1;
         }
@@ -304,7 +333,7 @@ fn step(lower: f32, upper: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{Vec3, vec3};
+    use glam::vec3;
     use rand::{Rng, SeedableRng, rngs::SmallRng};
 
     fn boxes(random: &mut SmallRng, count: usize, size: f32, centre: Vec3) -> Vec<Bounds> {

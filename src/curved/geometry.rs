@@ -172,7 +172,7 @@ impl CurvedMesh {
     /// # Panics
     /// If there is no such triangle.
     pub fn error_bound(&self, triangle: u32, ray: &crate::embree::Ray, t: f32) -> f32 {
-        let (positions, _) = super::corners(&self.mesh, triangle as usize);
+        let positions = super::corners(&self.mesh, triangle as usize).positions;
         let extent = (positions[1] - positions[0])
             .max_abs()
             .greater((positions[2] - positions[0]).max_abs());

@@ -13,12 +13,10 @@ mod tessellate;
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use crate::embree::Bounds;
 use crate::mesh::{Mesh, Topology, TopologyCounts};
 use crate::surface::{
-    BoundsKind, KeptPatch, Patch, PatchKind, PatchRecord, Solver, Surface, Vector,
+    BoundsKind, Corners, KeptPatch, Patch, PatchKind, PatchRecord, Solver, Surface, Vector,
 };
 
 use clusters::Cluster;
@@ -101,27 +99,19 @@ impl CurvedMesh {
     pub fn new(mesh: Arc<Mesh>, options: &CurvedOptions) -> Self {
         let topology = Topology::new(&mesh);
         let prepared = prepare::prepare(&mesh, &topology, options);
-        let mut curved = Self {
+        let clusters = match options.primitives {
+            Primitives::Triangles => None,
+            Primitives::Clusters => Some(clusters::group(&prepared.bounds)),
+        };
+        Self {
             mesh,
             records: prepared.records,
-            clusters: None,
+            clusters,
             solver: options.solver,
             kinds: prepared.kinds,
             spheres: prepared.spheres,
             topology: *topology.counts(),
-        };
-        if options.primitives == Primitives::Clusters {
-            curved.clusters = Some(curved.clustered());
         }
-        curved
-    }
-
-    fn clustered(&self) -> Box<[Cluster]> {
-        let boxes: Vec<Bounds> = (0..self.records.len() as u32)
-            .into_par_iter()
-            .map(|triangle| self.triangle_bounds(triangle))
-            .collect();
-        clusters::group(&boxes)
     }
 
     fn triangle_bounds(&self, triangle: u32) -> Bounds {
@@ -185,7 +175,7 @@ impl CurvedMesh {
     /// # Panics
     /// If there is no such triangle.
     pub fn oracle(&self, triangle: u32) -> Patch<f64> {
-        let (positions, normals) = corners(&self.mesh, triangle as usize);
+        let Corners { positions, normals } = corners(&self.mesh, triangle as usize);
         let flags = self.records[triangle as usize].flags();
         let wide = |v: [Vector<f32>; 3]| v.map(Vector::to_f64);
         Patch::new(wide(positions), wide(normals), flags)
@@ -195,17 +185,16 @@ impl CurvedMesh {
 /// What is kept of a triangle's patch.
 #[inline(always)]
 fn kept<'a>(mesh: &Mesh, triangle: usize, record: &'a PatchRecord) -> KeptPatch<'a> {
-    let (positions, normals) = corners(mesh, triangle);
-    KeptPatch::new(positions, normals, record)
+    KeptPatch::new(corners(mesh, triangle), record)
 }
 
 /// A triangle's positions and normals as the kernel takes them.
 #[inline(always)]
-fn corners(mesh: &Mesh, triangle: usize) -> ([Vector<f32>; 3], [Vector<f32>; 3]) {
+fn corners(mesh: &Mesh, triangle: usize) -> Corners {
     let [a, b, c] = mesh.triangle_positions(triangle);
     let [k, m, n] = mesh.triangle_normals(triangle);
-    (
-        [a.into(), b.into(), c.into()],
-        [k.into(), m.into(), n.into()],
-    )
+    Corners {
+        positions: [a.into(), b.into(), c.into()],
+        normals: [k.into(), m.into(), n.into()],
+    }
 }

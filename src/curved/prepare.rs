@@ -6,45 +6,111 @@ use rayon::prelude::*;
 use super::kinds::Kinds;
 use super::spheres::Spheres;
 use super::{CurvedOptions, corners, kept};
+use crate::embree::Bounds;
 use crate::mesh::{Mesh, Topology};
-use crate::surface::{Patch, PatchFlags, PatchKind, PatchRecord};
+use crate::surface::{BoundsKind, PatchFlags, PatchKind, PatchRecord, Prepared};
 
-pub(super) struct Prepared {
+/// Triangles that are made together, such that those with the same flags fill the lanes.
+const TOGETHER: usize = 512;
+
+/// What is kept of each triangle, and what is needed of it until the mesh is grouped.
+pub(super) struct PreparedMesh {
     pub records: Vec<PatchRecord>,
+    pub bounds: Vec<Bounds>,
     pub kinds: Kinds,
     pub spheres: Spheres,
 }
 
-pub(super) fn prepare(mesh: &Mesh, topology: &Topology, options: &CurvedOptions) -> Prepared {
-    let count = mesh.triangles().len();
-    let mut records: Vec<PatchRecord> = (0..count)
-        .into_par_iter()
-        .map(|triangle| record(mesh, triangle, flags(topology, triangle, options)))
-        .collect();
+pub(super) fn prepare(mesh: &Mesh, topology: &Topology, options: &CurvedOptions) -> PreparedMesh {
+    let (mut records, mut bounds) = make(mesh, topology, options);
     if !options.unchecked {
-        straighten_neighbours(mesh, topology, &mut records);
+        straighten_neighbours(mesh, topology, &mut records, &mut bounds);
     }
     let kinds = records
         .par_iter()
         .map(|record| Kinds::of(record.kind()))
         .reduce(Kinds::default, |a, b| a + b);
-    let spheres = (records.par_iter().enumerate())
-        .map(|(triangle, record)| Spheres::of(kept(mesh, triangle, record).outline().sphere()))
-        .reduce(Spheres::default, |a, b| a + b);
-    Prepared {
+    PreparedMesh {
+        spheres: spheres(mesh, &records, options.bounds),
         records,
+        bounds,
         kinds,
-        spheres,
     }
 }
 
-fn record(mesh: &Mesh, triangle: usize, flags: PatchFlags) -> PatchRecord {
-    let (positions, normals) = corners(mesh, triangle);
-    Patch::new(positions, normals, flags).record(flags)
+/// Every triangle as its own sides ask for.
+fn make(
+    mesh: &Mesh,
+    topology: &Topology,
+    options: &CurvedOptions,
+) -> (Vec<PatchRecord>, Vec<Bounds>) {
+    let count = mesh.triangles().len();
+    let blank = PatchRecord::blank(PatchFlags::new(options.surface));
+    let (mut records, mut bounds) = (vec![blank; count], vec![Bounds::EMPTY; count]);
+    records
+        .par_chunks_mut(TOGETHER)
+        .zip(bounds.par_chunks_mut(TOGETHER))
+        .enumerate()
+        .for_each(|(n, (records, bounds))| {
+            let first = n * TOGETHER;
+            let mut flags = [PatchFlags::default(); TOGETHER];
+            for (place, flags) in flags[..records.len()].iter_mut().enumerate() {
+                *flags = flags_of(topology, first + place, options);
+            }
+            make_some(mesh, first, &flags[..records.len()], |place, prepared| {
+                records[place] = prepared.record;
+                bounds[place] = bounds_of(&prepared);
+            });
+        });
+    (records, bounds)
+}
+
+/// The triangles from the first on, as many as there are flags.
+fn make_some(
+    mesh: &Mesh,
+    first: usize,
+    flags: &[PatchFlags],
+    mut take: impl FnMut(usize, Prepared),
+) {
+    let mut left: Vec<usize> = (0..flags.len()).collect();
+    let mut same = Vec::with_capacity(flags.len());
+    let mut triangles = Vec::with_capacity(flags.len());
+    while let Some(&place) = left.first() {
+        let common = flags[place];
+        same.clear();
+        left.retain(|&place| {
+            let other = flags[place] != common;
+            if !other {
+                same.push(place);
+            }
+            other
+        });
+        triangles.clear();
+        triangles.extend(same.iter().map(|place| corners(mesh, first + place)));
+        Prepared::each(&triangles, common, |n, prepared| take(same[n], prepared));
+    }
+}
+
+fn bounds_of(prepared: &Prepared) -> Bounds {
+    let [lower, upper] = prepared.bounds;
+    Bounds {
+        lower: lower.into(),
+        upper: upper.into(),
+    }
+}
+
+/// Counts the spheres, where those were asked for.
+fn spheres(mesh: &Mesh, records: &[PatchRecord], bounds: BoundsKind) -> Spheres {
+    if bounds != BoundsKind::Sphere {
+        return Spheres::default();
+    }
+    (records.par_iter().enumerate())
+        .map(|(triangle, record)| Spheres::of(kept(mesh, triangle, record).outline().sphere()))
+        .reduce(Spheres::default, |a, b| a + b)
 }
 
 /// What the sides alone ask for.
-fn flags(topology: &Topology, triangle: usize, options: &CurvedOptions) -> PatchFlags {
+fn flags_of(topology: &Topology, triangle: usize, options: &CurvedOptions) -> PatchFlags {
     let none = PatchFlags::new(options.surface).with_bounds(options.bounds);
     if options.unchecked {
         return none.with_unchecked();
@@ -62,7 +128,12 @@ fn flags(topology: &Topology, triangle: usize, options: &CurvedOptions) -> Patch
 /// Makes straight every side towards a flat or degenerate triangle. A triangle whose side becomes
 /// straight may turn flat itself, so this goes on until nothing changes; each step only ever makes
 /// a side straight that was not, so it ends.
-fn straighten_neighbours(mesh: &Mesh, topology: &Topology, records: &mut [PatchRecord]) {
+fn straighten_neighbours(
+    mesh: &Mesh,
+    topology: &Topology,
+    records: &mut [PatchRecord],
+    bounds: &mut [Bounds],
+) {
     let mut flat: Vec<u32> = (0..records.len() as u32)
         .into_par_iter()
         .filter(|&triangle| is_plane(&records[triangle as usize]))
@@ -83,9 +154,10 @@ fn straighten_neighbours(mesh: &Mesh, topology: &Topology, records: &mut [PatchR
             if flags == old.flags() || is_plane(&old) {
                 continue;
             }
-            let new = record(mesh, neighbour as usize, flags);
-            records[neighbour as usize] = new;
-            if is_plane(&new) {
+            let new = Prepared::new(&corners(mesh, neighbour as usize), flags);
+            records[neighbour as usize] = new.record;
+            bounds[neighbour as usize] = bounds_of(&new);
+            if is_plane(&new.record) {
                 flat.push(neighbour);
             }
         }

@@ -31,6 +31,7 @@ mod ply_body;
 mod polygon;
 mod raw;
 mod scenery;
+mod side_uses;
 mod snap;
 mod stl;
 mod text;

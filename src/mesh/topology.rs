@@ -21,11 +21,16 @@
 //!
 //! [`RawMesh::into_mesh`]: super::RawMesh::into_mesh
 
+use std::borrow::Cow;
+use std::sync::atomic::{AtomicU8, AtomicU32, Ordering::Relaxed};
+
 use glam::Vec3;
+use rayon::prelude::*;
 
 use super::Mesh;
 use super::normals::SAME_NORMAL_ANGLE;
-use super::weld::{Groups, weld};
+use super::side_uses::{SidesByPlace, Use};
+use super::weld::weld;
 
 /// No neighbour: in place of a triangle's index.
 pub const NO_TRIANGLE: u32 = u32::MAX;
@@ -105,6 +110,20 @@ impl TopologyCounts {
     pub fn is_closed(&self) -> bool {
         self.boundary + self.non_manifold + self.doubled + self.flipped == 0
     }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            places: self.places + other.places,
+            smooth: self.smooth + other.smooth,
+            hard: self.hard + other.hard,
+            boundary: self.boundary + other.boundary,
+            non_manifold: self.non_manifold + other.non_manifold,
+            doubled: self.doubled + other.doubled,
+            flipped: self.flipped + other.flipped,
+            degenerate_triangles: self.degenerate_triangles + other.degenerate_triangles,
+            duplicate_triangles: self.duplicate_triangles + other.duplicate_triangles,
+        }
+    }
 }
 
 /// Adjacency of a mesh's triangles by position.
@@ -121,25 +140,22 @@ pub struct Topology {
 }
 
 impl Topology {
-    /// Finds the neighbours of all triangles and classifies all sides.
+    /// Finds the neighbours of all triangles and classifies all sides, in parallel.
     #[must_use]
     pub fn new(mesh: &Mesh) -> Topology {
         let (place_of, places) = weld(&mesh.positions);
-        let mut build = Build {
-            mesh,
-            place_of,
-            topology: Topology {
-                neighbours: vec![[NO_TRIANGLE; 3]; mesh.triangles.len()],
-                kinds: vec![0; mesh.triangles.len()],
-                counts: TopologyCounts {
-                    places: places as u64,
-                    ..TopologyCounts::default()
-                },
-            },
-        };
-        build.match_sides(places);
-        build.count_degenerate();
-        build.topology
+        let corners = corners(mesh, &place_of, places);
+        let build = Build::new(mesh, places < place_of.len());
+        let mut counts = build.match_sides(&SidesByPlace::new(&corners, places));
+        counts.places = places as u64;
+        counts.degenerate_triangles = count_degenerate(mesh);
+        Topology {
+            kinds: build.kinds.par_iter().map(packed).collect(),
+            neighbours: (build.neighbours.into_par_iter())
+                .map(|sides| sides.map(AtomicU32::into_inner))
+                .collect(),
+            counts,
+        }
     }
 
     /// How a triangle meets its neighbour at side `k`.
@@ -186,55 +202,79 @@ impl Topology {
     }
 }
 
-/// One use of a side by a triangle: the place at its other end, and triangle and side in one.
-type Use = (u32, u32);
-
-struct Build<'a> {
-    mesh: &'a Mesh,
-    place_of: Vec<u32>,
-    topology: Topology,
+/// The places of each triangle's corners.
+fn corners<'a>(mesh: &'a Mesh, place_of: &[u32], places: usize) -> Cow<'a, [[u32; 3]]> {
+    if places == place_of.len() {
+        // Each vertex is in a place of its own, and numbered like it.
+        return Cow::Borrowed(&mesh.triangles);
+    }
+    let places = |triangle: &[u32; 3]| triangle.map(|v| place_of[v as usize]);
+    mesh.triangles
+        .par_iter()
+        .map(places)
+        .collect::<Vec<_>>()
+        .into()
 }
 
-impl Build<'_> {
-    fn places(&self, triangle: usize) -> [u32; 3] {
-        self.mesh.triangles[triangle].map(|v| self.place_of[v as usize])
-    }
+/// The three kinds in one number.
+fn packed(kinds: &[AtomicU8; 3]) -> u16 {
+    let [a, b, c] = [0, 1, 2].map(|k| u16::from(kinds[k].load(Relaxed)));
+    a | b << 3 | c << 6
+}
 
-    /// Groups all sides by the lower of their two places, then by the higher.
-    fn match_sides(&mut self, places: usize) {
-        let lower_ends = (0..self.mesh.triangles.len()).flat_map(|t| {
-            let p = self.places(t);
-            [0, 1, 2].map(|k| p[k].min(p[(k + 1) % 3]))
-        });
-        let by_lower = Groups::new(lower_ends, places);
-        let mut uses: Vec<Use> = Vec::new();
-        for place in 0..places {
-            uses.clear();
-            for &side in by_lower.of(place) {
-                let p = self.places(side as usize / 3);
-                if p[0] == p[1] || p[1] == p[2] || p[2] == p[0] {
-                    self.set(side, SideKind::Hard);
-                    continue;
-                }
-                let k = side as usize % 3;
-                uses.push((p[k].max(p[(k + 1) % 3]), side));
-            }
-            uses.sort_unstable();
-            for same in uses.chunk_by(|a, b| a.0 == b.0) {
-                self.classify(place as u32, same);
-            }
+/// What is known of the sides so far. Every side is written once, by whoever has its lower place.
+struct Build<'a> {
+    mesh: &'a Mesh,
+    /// Whether several vertices are in one place.
+    has_split: bool,
+    neighbours: Vec<[AtomicU32; 3]>,
+    kinds: Vec<[AtomicU8; 3]>,
+}
+
+impl<'a> Build<'a> {
+    fn new(mesh: &'a Mesh, has_split: bool) -> Self {
+        let triangles = mesh.triangles.par_iter();
+        let blank = |_: &[u32; 3]| [0, 1, 2].map(|_| AtomicU32::new(NO_TRIANGLE));
+        // What collapsed triangles have.
+        let hard = |_: &[u32; 3]| [0, 1, 2].map(|_| AtomicU8::new(SideKind::Hard as u8));
+        Self {
+            mesh,
+            has_split,
+            neighbours: triangles.clone().map(blank).collect(),
+            kinds: triangles.map(hard).collect(),
         }
     }
 
+    /// Groups the sides of each lower place by the higher.
+    fn match_sides(&self, sides: &SidesByPlace) -> TopologyCounts {
+        (0..sides.places())
+            .into_par_iter()
+            .with_min_len(1 << 10)
+            .fold(
+                || (TopologyCounts::default(), Vec::new()),
+                |(mut counts, mut uses), place| {
+                    uses.clear();
+                    uses.extend(sides.of(place));
+                    uses.sort_unstable();
+                    for same in uses.chunk_by(|a, b| a.higher == b.higher) {
+                        self.classify(same, &mut counts);
+                    }
+                    (counts, uses)
+                },
+            )
+            .map(|(counts, _)| counts)
+            .reduce(TopologyCounts::default, TopologyCounts::plus)
+    }
+
     /// Classifies one side from all its uses.
-    fn classify(&mut self, lower: u32, uses: &[Use]) {
-        let kind = match *uses {
+    fn classify(&self, uses: &[Use], counts: &mut TopologyCounts) {
+        let kind = match uses {
             [_] => SideKind::Boundary,
-            [(_, a), (_, b)] => {
-                self.join(a, b);
+            [a, b] => {
+                self.join(a.side, b.side);
                 self.meeting(a, b)
             }
-            _ => match self.sheets(lower, uses) {
+            _ => match self.sheets(uses) {
                 Some(sheets) => {
                     sheets.iter().for_each(|&[a, b]| self.join(a, b));
                     SideKind::Smooth
@@ -242,10 +282,9 @@ impl Build<'_> {
                 None => SideKind::NonManifold,
             },
         };
-        for &(_, side) in uses {
-            self.set(side, kind);
+        for of_side in uses {
+            self.set(of_side.side, kind);
         }
-        let counts = &mut self.topology.counts;
         match kind {
             SideKind::Smooth if uses.len() > 2 => counts.doubled += 1,
             SideKind::Smooth => counts.smooth += 1,
@@ -255,46 +294,44 @@ impl Build<'_> {
             SideKind::Flipped => counts.flipped += 1,
         }
         if uses.len() > 1 {
-            self.count_duplicates(lower, uses);
+            counts.duplicate_triangles += duplicates(uses);
         }
     }
 
     /// Makes two triangles neighbours at a side.
-    fn join(&mut self, a: u32, b: u32) {
-        self.topology.neighbours[a as usize / 3][a as usize % 3] = b / 3;
-        self.topology.neighbours[b as usize / 3][b as usize % 3] = a / 3;
+    fn join(&self, a: u32, b: u32) {
+        for (side, other) in [(a, b), (b, a)] {
+            self.neighbours.as_flattened()[side as usize].store(other / 3, Relaxed);
+        }
     }
 
     /// How the only two triangles at a side meet.
-    fn meeting(&self, a: u32, b: u32) -> SideKind {
-        let [a0, a1] = self.ends(a);
-        let [b0, b1] = self.ends(b);
-        let same_direction = self.place_of[a0 as usize] == self.place_of[b0 as usize];
-        let (b_first, b_second) = if same_direction { (b0, b1) } else { (b1, b0) };
-        // Vertices are distinct in position and normal, so equal normals are equal vertices.
-        let same_normals = a0 == b_first && a1 == b_second;
-        if same_direction && !(same_normals && self.is_backward(a) != self.is_backward(b)) {
-            SideKind::Flipped
-        } else if same_normals || self.are_opposite(a0, b_first) && self.are_opposite(a1, b_second)
+    fn meeting(&self, a: &Use, b: &Use) -> SideKind {
+        let same_direction = a.rises == b.rises;
+        let same_normals = !self.has_split || self.ends(a) == self.ends(b);
+        if same_direction && !(same_normals && self.is_backward(a.side) != self.is_backward(b.side))
         {
+            SideKind::Flipped
+        } else if same_normals || self.have_opposite_normals(a, b) {
             SideKind::Smooth
         } else {
             SideKind::Hard
         }
     }
 
+    fn have_opposite_normals(&self, a: &Use, b: &Use) -> bool {
+        let ([a0, a1], [b0, b1]) = (self.ends(a), self.ends(b));
+        self.are_opposite(a0, b0) && self.are_opposite(a1, b1)
+    }
+
     /// Pairs the sides of three triangles or more if they are those of sheets lying in each other.
-    fn sheets(&self, lower: u32, uses: &[Use]) -> Option<Vec<[u32; 2]>> {
+    fn sheets(&self, uses: &[Use]) -> Option<Vec<[u32; 2]>> {
         // The ends in one order for all, and which way the side runs on the front that the
         // normals show: two triangles of one sheet have the same ends and opposite ways.
+        let on_front = |of_side: &Use| of_side.rises != self.is_backward(of_side.side);
         let mut sides: Vec<([u32; 2], bool, u32)> = uses
             .iter()
-            .map(|&(_, side)| {
-                let [from, to] = self.ends(side);
-                let rises = self.place_of[from as usize] == lower;
-                let ends = if rises { [from, to] } else { [to, from] };
-                (ends, rises != self.is_backward(side), side)
-            })
+            .map(|of_side| (self.ends(of_side), on_front(of_side), of_side.side))
             .collect();
         let first = sides[0].0;
         let agrees = |end: u32, with: u32| end == with || self.are_opposite(end, with);
@@ -324,11 +361,16 @@ impl Build<'_> {
         f64::from(sum.length()) < SAME_NORMAL_ANGLE
     }
 
-    /// The vertices a triangle's side runs between.
-    fn ends(&self, side: u32) -> [u32; 2] {
-        let t = self.mesh.triangles[side as usize / 3];
-        let k = side as usize % 3;
-        [t[k], t[(k + 1) % 3]]
+    /// The vertices a triangle's side runs between, that in the lower place first.
+    fn ends(&self, of_side: &Use) -> [u32; 2] {
+        let t = self.mesh.triangles[of_side.side as usize / 3];
+        let k = of_side.side as usize % 3;
+        let (from, to) = (t[k], t[(k + 1) % 3]);
+        if of_side.rises {
+            [from, to]
+        } else {
+            [to, from]
+        }
     }
 
     /// Whether a triangle's own normals say that its front is where it winds clockwise. The method
@@ -339,29 +381,26 @@ impl Build<'_> {
         doubled_area(self.mesh.triangle_positions(triangle)).dot(sum.as_dvec3()) < 0.0
     }
 
-    /// Counts triangles of the same three places once, at the side between their lower two.
-    fn count_duplicates(&mut self, lower: u32, uses: &[Use]) {
-        let higher = uses[0].0;
-        let mut opposite: Vec<u32> = uses
-            .iter()
-            .map(|&(_, side)| self.places(side as usize / 3)[(side as usize + 2) % 3])
-            .filter(|&place| place > higher && place > lower)
-            .collect();
-        opposite.sort_unstable();
-        let repeated = opposite.windows(2).filter(|w| w[0] == w[1]).count();
-        self.topology.counts.duplicate_triangles += repeated as u64;
+    fn set(&self, side: u32, kind: SideKind) {
+        self.kinds.as_flattened()[side as usize].store(kind as u8, Relaxed);
     }
+}
 
-    fn set(&mut self, side: u32, kind: SideKind) {
-        self.topology.kinds[side as usize / 3] |= (kind as u16) << (3 * (side % 3));
+/// Counts triangles of the same three places once, at the side between their lower two.
+fn duplicates(uses: &[Use]) -> u64 {
+    let counted = |of_side: &&Use| of_side.opposite > of_side.higher;
+    if let [a, b] = uses {
+        return u64::from(a.opposite == b.opposite && counted(&a));
     }
+    let mut opposite: Vec<u32> = (uses.iter().filter(counted)).map(|u| u.opposite).collect();
+    opposite.sort_unstable();
+    opposite.windows(2).filter(|w| w[0] == w[1]).count() as u64
+}
 
-    fn count_degenerate(&mut self) {
-        let count = (0..self.mesh.triangles.len())
-            .filter(|&t| is_degenerate(self.mesh.triangle_positions(t)))
-            .count();
-        self.topology.counts.degenerate_triangles = count as u64;
-    }
+fn count_degenerate(mesh: &Mesh) -> u64 {
+    let triangles = (0..mesh.triangles.len()).into_par_iter();
+    let degenerate = triangles.filter(|&t| is_degenerate(mesh.triangle_positions(t)));
+    degenerate.count() as u64
 }
 
 fn doubled_area(positions: [Vec3; 3]) -> glam::DVec3 {

@@ -1,41 +1,37 @@
 //! Which vertices have the same position, bit for bit.
 
 use glam::Vec3;
-use rayon::prelude::*;
+use hashbrown::hash_table::{Entry, HashTable};
 
 /// For each position the number of its place, and how many places there are.
 ///
 /// Places are numbered in the order in which they first occur. Positions are the same if their
 /// bits are; zeros have to be positive.
 pub(crate) fn weld(positions: &[Vec3]) -> (Vec<u32>, usize) {
-    let mut order: Vec<(u64, u32, u32)> = positions
-        .par_iter()
-        .enumerate()
-        .map(|(i, p)| {
-            let [x, y, z] = p.to_array().map(f32::to_bits);
-            (u64::from(x) << 32 | u64::from(y), z, i as u32)
-        })
-        .collect();
-    order.par_sort_unstable();
-    let mut places = vec![0u32; positions.len()];
-    // First the least index of each run, which comes first in it; then numbers in index order.
-    for run in order.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-        for &(_, _, i) in run {
-            places[i as usize] = run[0].2;
-        }
-    }
-    drop(order);
-    let mut count = 0;
-    for i in 0..places.len() {
-        let first = places[i] as usize;
-        places[i] = if first == i {
-            count += 1;
-            count - 1
-        } else {
-            places[first]
+    let bits = |i: u32| positions[i as usize].to_array().map(f32::to_bits);
+    // Of each place the number and the first position.
+    let mut places = HashTable::<(u32, u32)>::with_capacity(positions.len());
+    let mut place_of = Vec::with_capacity(positions.len());
+    for i in 0..positions.len() as u32 {
+        let count = places.len() as u32;
+        let own = bits(i);
+        let same = |&(_, first): &(u32, u32)| bits(first) == own;
+        let place = match places.entry(hash(own), same, |&(_, first)| hash(bits(first))) {
+            Entry::Occupied(place) => place.get().0,
+            Entry::Vacant(free) => free.insert((count, i)).get().0,
         };
+        place_of.push(place);
     }
-    (places, count as usize)
+    (place_of, places.len())
+}
+
+/// Mixes a position's bits: the two halves of a product of all of them.
+fn hash([x, y, z]: [u32; 3]) -> u64 {
+    // Of the digits of pi, so that zeros do not make the product zero.
+    let a = (u64::from(x) << 32 | u64::from(y)) ^ 0x243f_6a88_85a3_08d3;
+    let b = u64::from(z) ^ 0x1319_8a2e_0370_7344;
+    let product = u128::from(a) * u128::from(b);
+    product as u64 ^ (product >> 64) as u64
 }
 
 /// Items grouped by a small integer key: for each key a slice of the items' numbers in rising order.

@@ -11,7 +11,7 @@ use super::dual::Dual;
 use super::flags::PatchFlags;
 use super::guide::Choice;
 use super::patch::{Patch, next};
-use super::real::Scalar;
+use super::real::{Constant, Jet, Real, inlined};
 use super::vector::vector;
 
 /// Where along a side the slope is sampled.
@@ -26,41 +26,55 @@ const STEEP: [f64; 2] = [0.3, 0.5];
 const THIN: [f64; 2] = [3e-3, 1e-2];
 
 /// Sets the correction of every curved side.
-pub(super) fn fit<S: Scalar>(patch: &mut Patch<S>, flags: PatchFlags) {
+#[inline(always)]
+pub(super) fn fit<S: Constant>(patch: &mut Patch<S>, flags: PatchFlags) {
     let strength = strength(patch);
+    // Loops, so that what is inlined is there once.
     for k in 0..3 {
-        if !flags.is_straight(k) {
-            let slopes = SAMPLES.map(|at| {
-                let [first, second] = patch.sides[k].loose;
-                let at_first = if first { at } else { 1.0 };
-                let at_second = if second { 1.0 - at } else { 1.0 };
-                let kept = S::from_f64(at_first * at_second);
-                slope(patch, k, S::from_f64(at)) * strength * kept
-            });
-            patch.sides[k].correction = quadratic(slopes);
+        if flags.is_straight(k) {
+            continue;
         }
+        let [first, second] = patch.sides[k].loose;
+        let mut slopes = [strength; 3];
+        for (to, at) in slopes.iter_mut().zip(SAMPLES) {
+            let at_first = if first { at } else { 1.0 };
+            let at_second = if second { 1.0 - at } else { 1.0 };
+            let kept = strength.constant(at_first * at_second);
+            *to = slope(patch, k, strength.constant(at)) * strength * kept;
+        }
+        patch.sides[k].correction = quadratic(slopes);
     }
 }
 
 /// 1 for ordinary triangles, fading to 0 where they are very steep or very thin.
-fn strength<S: Scalar>(patch: &Patch<S>) -> S {
-    let [a, b, c] = [0, 1, 2].map(|i| patch.vertices[i].normal);
-    let [p, q, r] = [0, 1, 2].map(|k| patch.sides[k].length2);
-    let fade = |value: S, [from, to]: [f64; 2]| {
-        let share = (value - S::from_f64(from)) * S::from_f64(1.0 / (to - from));
-        share.greater(S::from_f64(0.0)).lesser(S::from_f64(1.0))
-    };
-    fade(a.lesser(b).lesser(c), STEEP) * fade(patch.area2 / p.greater(q).greater(r), THIN)
+#[inline(always)]
+fn strength<S: Constant>(patch: &Patch<S>) -> S {
+    let [a, b, c] = &patch.vertices;
+    let [p, q, r] = &patch.sides;
+    let fade = inlined(
+        #[inline(always)]
+        |value: S, [from, to]: [f64; 2]| {
+            let share = (value - value.constant(from)) * value.constant(1.0 / (to - from));
+            share
+                .greater(value.constant(0.0))
+                .lesser(value.constant(1.0))
+        },
+    );
+    let steepest = a.normal.lesser(b.normal).lesser(c.normal);
+    let longest2 = p.length2.greater(q.length2).greater(r.length2);
+    fade(steepest, STEEP) * fade(patch.area2 / longest2, THIN)
 }
 
 /// The bubble's slope `nu` at the share `along` of side `k`.
-fn slope<S: Scalar>(patch: &Patch<S>, k: usize, along: S) -> S {
-    let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
+#[inline(always)]
+fn slope<S: Constant>(patch: &Patch<S>, k: usize, along: S) -> S {
+    let (zero, one) = (along.constant(0.0), along.constant(1.0));
     let side = &patch.sides[k];
-    let length = side.length2.sqrt();
+    let length = Real::sqrt(side.length2);
     // The surface as a function of x along the side and y inward.
     let x = Dual::<S, 2>::variable(along * length, 0);
     let y = Dual::<S, 2>::variable(zero, 1);
+    let constant = Dual::<S, 2>::lift;
     let b_m = y * constant(one / side.height);
     let b_j = x * constant(one / length) - b_m * constant(side.foot);
     let mut b = [constant(zero); 3];
@@ -74,8 +88,11 @@ fn slope<S: Scalar>(patch: &Patch<S>, k: usize, along: S) -> S {
     let tangent = vector(one, out.parts[0], h.parts[0]);
     let inward = vector(zero, one + out.parts[1], h.parts[1]);
     let (first, second) = (&patch.vertices[k], &patch.vertices[next(k)]);
-    let mix = |a: S, b: S| a * (one - along) + b * along;
-    let half = S::from_f64(0.5) / length;
+    let mix = inlined(
+        #[inline(always)]
+        |a: S, b: S| a * (one - along) + b * along,
+    );
+    let half = along.constant(0.5) / length;
     let normal = vector(
         mix(side.bend[0] * half, -(side.bend[1] * half)),
         mix(first.inward[k], second.inward[k]),
@@ -83,25 +100,22 @@ fn slope<S: Scalar>(patch: &Patch<S>, k: usize, along: S) -> S {
     );
     let normal = normal - tangent * (normal.dot(tangent) / tangent.dot(tangent));
     let guide = vector(zero, foot.lean.value, one);
-    let most = S::from_f64(MAX_TURN);
+    let most = along.constant(MAX_TURN);
     let delta = -(inward.dot(normal) / guide.dot(normal));
     let delta = delta.greater(-most).lesser(most);
     delta * side.height / (along * (one - along))
 }
 
-fn constant<S: Scalar>(value: S) -> Dual<S, 2> {
-    Dual {
-        value,
-        parts: [S::from_f64(0.0); 2],
-    }
-}
-
 /// Coefficients of the quadratic through the three sampled values.
-fn quadratic<S: Scalar>(values: [S; 3]) -> [S; 3] {
+#[inline(always)]
+fn quadratic<S: Real>(values: [S; 3]) -> [S; 3] {
     let [l, m, r] = SAMPLES;
     let step = m - l;
     debug_assert!((r - m - step).abs() < 1e-12);
-    let scale = |x: f64| S::from_f64(x);
+    let scale = inlined(
+        #[inline(always)]
+        |x: f64| values[0].constant(x),
+    );
     let second = (values[0] - values[1] - values[1] + values[2]) * scale(0.5 / (step * step));
     let first = (values[2] - values[0]) * scale(0.5 / step);
     // value + first (x - m) + second (x - m)^2

@@ -2,9 +2,9 @@
 //! most. Nothing need be sampled to separate roots then, and a good first guess is at hand: the
 //! surface is near to a paraboloid through the sides' curves.
 
-use super::patch::{Patch, Rule, next};
+use super::patch::{Patch, next};
 use super::ray::Segment;
-use super::real::{Mask, Real, Scalar, each};
+use super::real::{Constant, Mask, Real, Scalar, each};
 
 /// Most evaluations; a ray that needs more is searched as one that is not steep.
 const MAX_STEPS: usize = 8;
@@ -164,29 +164,8 @@ const STEEPNESS_ROOM: f64 = 1.3;
 
 /// How fast the surface climbs over its plane at the most, the tangent of the angle, as it is kept:
 /// [`u8::MAX`] is more than can be said.
-pub(super) fn steepness<S: Scalar>(patch: &Patch<S>) -> u8 {
-    if patch.rule == Rule::Flat {
-        return u8::MAX;
-    }
-    let cosine_at = |[u, v]: [f64; 2]| {
-        let normal = patch.normal_at(S::from_f64(u), S::from_f64(v));
-        normal.dot(patch.normal).abs()
-    };
-    const PLACES: [[f64; 2]; 7] = [
-        [0.5, 0.0],
-        [0.5, 0.5],
-        [0.0, 0.5],
-        [0.2, 0.2],
-        [0.6, 0.2],
-        [0.2, 0.6],
-        [0.33, 0.34],
-    ];
-    let vertices = patch.vertices.iter().map(|vertex| vertex.normal);
-    let cosines = vertices.chain(PLACES.into_iter().map(cosine_at));
-    let least = cosines.fold(1.0, |least, cosine| match cosine.to_f64() {
-        cosine if least <= cosine => least,
-        cosine => cosine, // also where it is no number
-    });
+pub(super) fn steepness<S: Scalar>(least_cosine: S) -> u8 {
+    let least = least_cosine.to_f64();
     let tangent = (1.0 - least * least).sqrt() / least * STEEPNESS_ROOM;
     let steps = (tangent * STEEPNESS_STEPS).ceil() + 1.0;
     // No number fails the comparison.
@@ -197,15 +176,40 @@ pub(super) fn steepness<S: Scalar>(patch: &Patch<S>) -> u8 {
     }
 }
 
+/// The least cosine of the angle to its plane that the surface has where it is looked at.
+#[inline(always)]
+pub(super) fn least_cosine<S: Constant>(patch: &Patch<S>) -> S {
+    const PLACES: [[f64; 2]; 7] = [
+        [0.5, 0.0],
+        [0.5, 0.5],
+        [0.0, 0.5],
+        [0.2, 0.2],
+        [0.6, 0.2],
+        [0.2, 0.6],
+        [0.33, 0.34],
+    ];
+    let like = patch.area2;
+    let mut least = like.constant(1.0);
+    for vertex in &patch.vertices {
+        least = least.lesser(vertex.normal);
+    }
+    for [u, v] in PLACES {
+        let normal = patch.normal_at(like.constant(u), like.constant(v));
+        // The cosine also where it is no number.
+        least = least.lesser(normal.dot(patch.normal).abs());
+    }
+    least
+}
+
 /// The squared sine of the angle from which on a ray is steep.
 #[inline(always)]
-pub(super) fn steep<S: Scalar>(kept: u8) -> S {
-    let tangent = S::from_f64(f64::from(kept)) * S::from_f64(1.0 / STEEPNESS_STEPS);
+pub(super) fn steep<S: Constant>(like: S, kept: u8) -> S {
+    let tangent = like.constant(f64::from(kept)) * like.constant(1.0 / STEEPNESS_STEPS);
     let square = tangent * tangent;
     if kept == u8::MAX {
-        return S::from_f64(2.0); // no ray is
+        return like.constant(2.0); // no ray is
     }
-    square / (square + S::from_f64(1.0))
+    square / (square + like.constant(1.0))
 }
 
 #[cfg(test)]
@@ -273,7 +277,7 @@ mod tests {
             let (p, normals) = random.triangle([5.0, 15.0, 30.0, 45.0][n % 4], 0.6);
             let flags = PatchFlags::new(Surface::ALL[n / 4 % 3]);
             let patch = Patch::<f64>::new(p, normals, flags);
-            let kept = steep::<f64>(patch.steepness);
+            let kept = steep(1.0, patch.steepness);
             for _ in 0..if patch.kind() == PatchKind::Curved {
                 30
             } else {

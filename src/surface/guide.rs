@@ -7,7 +7,7 @@
 
 use super::dual::{at_least, capped, lesser};
 use super::patch::{Patch, Rule, next};
-use super::real::{Jet, Real, Scalar, inlined, three};
+use super::real::{Constant, Jet, Real, inlined, three};
 use super::sides::Side;
 use super::vector::Vector;
 
@@ -80,7 +80,7 @@ pub(super) struct Foot<V: Real, T> {
     pub choice: Choice<V>,
 }
 
-impl<S: Scalar> Patch<S> {
+impl<S: Constant> Patch<S> {
     /// The guide over a plane point.
     #[inline(always)]
     pub(super) fn foot_at<V: Real<Scalar = S>, T: Jet<V>>(&self, b: [T; 3]) -> Foot<V, T> {
@@ -217,7 +217,7 @@ impl<V: Real> Choice<V> {
     fn obtuse(self, sides: &[Side<V::Scalar>; 3]) -> V::Mask {
         let obtuse = inlined(
             #[inline(always)]
-            |k: usize| self.like.mask(sides[k].obtuse),
+            |k: usize| self.like.splat_mask(sides[k].obtuse),
         );
         (self.first & obtuse(0)) | (self.second & obtuse(1)) | (self.is(2) & obtuse(2))
     }

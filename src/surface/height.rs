@@ -4,7 +4,7 @@
 use super::dual::{at_least, capped, ratio_or_zero};
 use super::guide::Foot;
 use super::patch::{Patch, Rule, next};
-use super::real::{Jet, Real, Scalar, inlined, three};
+use super::real::{Constant, Jet, Real, inlined, three};
 
 /// The damping factor's floor: where three sides disagree strongly it would turn negative. A side
 /// alone takes it down to 0.1 at most, so that no side's slope hangs on which of two equals wins.
@@ -23,7 +23,7 @@ struct Curvature<T> {
     offset: T,
 }
 
-impl<S: Scalar> Patch<S> {
+impl<S: Constant> Patch<S> {
     /// The surface's height along the guide over the foot, in units of the patch's size.
     #[inline(always)]
     pub(super) fn height<V: Real<Scalar = S>, T: Jet<V>>(&self, foot: &Foot<V, T>) -> T {
@@ -146,7 +146,8 @@ impl<S: Scalar> Patch<S> {
     /// The bend of a side as the vertex opposite to it sees it: its two ends' mean.
     #[inline(always)]
     pub(super) fn mean_bend(&self, side: usize) -> S {
-        (self.sides[side].bend[0] + self.sides[side].bend[1]) * S::from_f64(0.5)
+        let [first, second] = self.sides[side].bend;
+        (first + second) * first.constant(0.5)
     }
 
     /// `1 - 4 (kappa_12 b1 b2 + ...)`, held above a floor: 1 at the vertices.

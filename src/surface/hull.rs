@@ -3,7 +3,7 @@
 
 use super::frame::Frame;
 use super::ray::{RAY_EPSILONS, Ray};
-use super::real::{Mask, Real, Scalar, inlined};
+use super::real::{Constant, Mask, Real, Scalar, inlined};
 use super::sides::roots;
 use super::sphere::Sphere;
 use super::vector::{Vector, vector};
@@ -51,11 +51,11 @@ pub struct Interval<V: Real> {
     pub(super) alive: V::Mask,
 }
 
-impl<S: Scalar> Hull<S> {
+impl<S: Constant> Hull<S> {
     /// The hull of no surface.
     #[inline(always)]
     pub fn empty(origin: Vector<S>) -> Self {
-        let zero = S::from_f64(0.0);
+        let zero = origin.x.constant(0.0);
         let plane = Plane {
             normal: vector(zero, zero, zero),
             offset: zero,
@@ -63,14 +63,16 @@ impl<S: Scalar> Hull<S> {
         };
         Self {
             origin,
-            unit: S::from_f64(1.0),
+            unit: origin.x.constant(1.0),
             planes: [plane; 5],
             sphere: None,
             thin: None,
             exists: false,
         }
     }
+}
 
+impl<S: Scalar> Hull<S> {
     /// The hull of a patch with these least and greatest heights, or with a sphere in their place; of a
     /// plane triangle without heights.
     #[inline(always)]

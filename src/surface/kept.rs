@@ -6,33 +6,33 @@ use super::ray::{Ray, beyond};
 use super::record::PatchRecord;
 use super::vector::Vector;
 
+/// A triangle's vertices.
+#[derive(Clone, Copy, Debug)]
+pub struct Corners {
+    /// Their positions.
+    pub positions: [Vector<f32>; 3],
+    /// Their normals, unit.
+    pub normals: [Vector<f32>; 3],
+}
+
 /// A curved triangle's vertices and its record: all that is kept of a patch.
 #[derive(Clone, Copy, Debug)]
 pub struct KeptPatch<'a> {
-    positions: [Vector<f32>; 3],
-    normals: [Vector<f32>; 3],
+    corners: Corners,
     record: &'a PatchRecord,
 }
 
 impl<'a> KeptPatch<'a> {
     /// The patch over these vertices whose [record](Patch::record) this is.
     #[inline(always)]
-    pub fn new(
-        positions: [Vector<f32>; 3],
-        normals: [Vector<f32>; 3],
-        record: &'a PatchRecord,
-    ) -> Self {
-        Self {
-            positions,
-            normals,
-            record,
-        }
+    pub fn new(corners: Corners, record: &'a PatchRecord) -> Self {
+        Self { corners, record }
     }
 
     /// What rays are clipped to.
     #[inline(always)]
     pub fn outline(&self) -> Outline<'a, f32> {
-        Outline::new(self.positions, self.normals, self.record)
+        Outline::new(self.corners.positions, self.corners.normals, self.record)
     }
 
     /// The whole patch.
@@ -42,6 +42,6 @@ impl<'a> KeptPatch<'a> {
 
     /// The same as [`Patch::beyond`].
     pub fn beyond(&self, ray: &Ray<f32>, t: f32) -> f32 {
-        beyond(self.positions[0], self.outline().size(), ray, t)
+        beyond(self.corners.positions[0], self.outline().size(), ray, t)
     }
 }

@@ -1,10 +1,11 @@
 //! SIMD lanes as the kernel's numbers: as many `f32` as a register of this processor holds, or four.
 
+use std::fmt;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use fearless_simd::{f32x4, mask32x4, prelude::*};
 
-use super::real::{Mask, Real, atan2};
+use super::real::{Constant, Mask, Real, atan2};
 
 macro_rules! arithmetic {
     ($lanes:ident: $($operation:ident $function:ident),*) => {$(
@@ -18,32 +19,25 @@ macro_rules! arithmetic {
     )*};
 }
 
-macro_rules! lanes {
-    ($(#[$doc:meta])* $lanes:ident: $register:ty, $mask:ident: $mask_register:ty) => {
+macro_rules! masks {
+    ($(#[$doc:meta])* $mask:ident: $register:ty) => {
         $(#[$doc])*
         #[derive(Clone, Copy)]
-        pub(super) struct $lanes<S: Simd>(pub $register);
+        pub(super) struct $mask<S: Simd>(pub $register);
 
-        /// One truth value a lane.
-        #[derive(Clone, Copy)]
-        pub(super) struct $mask<S: Simd>(pub $mask_register);
-
-        arithmetic!($lanes: Add add, Sub sub, Mul mul, Div div);
         arithmetic!($mask: BitAnd bitand, BitOr bitor);
-
-        impl<S: Simd> Neg for $lanes<S> {
-            type Output = Self;
-            #[inline(always)]
-            fn neg(self) -> Self {
-                Self(-self.0)
-            }
-        }
 
         impl<S: Simd> Not for $mask<S> {
             type Output = Self;
             #[inline(always)]
             fn not(self) -> Self {
                 Self(!self.0)
+            }
+        }
+
+        impl<S: Simd> fmt::Debug for $mask<S> {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "{:b}", self.0.to_bitmask())
             }
         }
 
@@ -57,14 +51,46 @@ macro_rules! lanes {
                 self.0.to_bitmask().count_ones()
             }
         }
+    };
+}
+
+macro_rules! lanes {
+    (
+        $(#[$doc:meta])*
+        $lanes:ident: $register:ty, $mask:ident: $mask_register:ty, $scalar:ty,
+        |$like:ident, $value:ident| $splat:expr, $splat_mask:expr
+    ) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug)]
+        pub(super) struct $lanes<S: Simd>(pub $register);
+
+        arithmetic!($lanes: Add add, Sub sub, Mul mul, Div div);
+
+        impl<S: Simd> Neg for $lanes<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self(-self.0)
+            }
+        }
 
         impl<S: Simd> Real for $lanes<S> {
             type Mask = $mask<S>;
-            type Scalar = f32;
+            type Scalar = $scalar;
 
             #[inline(always)]
-            fn splat(self, value: f32) -> Self {
-                Self(<$register>::splat(self.0.token(), value))
+            fn splat(self, value: $scalar) -> Self {
+                let ($like, $value) = (self, value);
+                $splat
+            }
+            #[inline(always)]
+            fn splat_mask(self, value: <$scalar as Real>::Mask) -> $mask<S> {
+                let ($like, $value) = (self, value);
+                $splat_mask
+            }
+            #[inline(always)]
+            fn constant(self, value: f64) -> Self {
+                Self(<$register>::splat(self.0.token(), value as f32))
             }
             #[inline(always)]
             fn mask(self, value: bool) -> $mask<S> {
@@ -102,12 +128,36 @@ macro_rules! lanes {
     };
 }
 
+masks! {
+    /// One truth value a lane.
+    LaneMask: S::mask32s
+}
+masks! {
+    /// The same for [`Quad`].
+    QuadMask: mask32x4<S>
+}
 lanes! {
     /// One `f32` a lane, as many as a register of the instruction set `S` has.
-    Lanes: S::f32s, LaneMask: S::mask32s
+    Lanes: S::f32s, LaneMask: S::mask32s, f32,
+    |like, value| Self(S::f32s::splat(like.0.token(), value)), like.mask(value)
 }
 lanes! {
     /// Four lanes of `f32`, with the same ray in each: a single ray is faster in a register's lanes, where
     /// choices take no branches and no detours.
-    Quad: f32x4<S>, QuadMask: mask32x4<S>
+    Quad: f32x4<S>, QuadMask: mask32x4<S>, f32,
+    |like, value| Self(f32x4::splat(like.0.token(), value)), like.mask(value)
+}
+lanes! {
+    /// Constants of as many patches as a register has lanes, one `f32` each.
+    Patches: S::f32s, LaneMask: S::mask32s, Self,
+    |_like, value| value, value
+}
+
+impl<S: Simd> Constant for Patches<S> {
+    const PRECISION: f64 = f32::EPSILON as f64;
+
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        Self(S::f32s::from_bits(self.0.to_bits() & 0x7f80_0000))
+    }
 }

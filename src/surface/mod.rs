@@ -17,11 +17,13 @@
 #![allow(clippy::suspicious_arithmetic_impl)]
 
 mod bounds;
+mod boxes;
 mod correction;
 mod crossing;
 mod dual;
 mod finish;
 mod flags;
+mod folds;
 mod frame;
 mod guide;
 mod height;
@@ -34,6 +36,7 @@ mod outline;
 mod packet;
 mod patch;
 mod point;
+mod prepare;
 mod range;
 mod ray;
 mod real;
@@ -52,13 +55,14 @@ pub use finish::MAX_PARTS;
 pub use flags::{BoundsKind, PatchFlags, Surface};
 pub use hit::{Hit, Solver};
 pub use hull::Interval;
-pub use kept::KeptPatch;
+pub use kept::{Corners, KeptPatch};
 pub use outline::Outline;
 pub use packet::{HitLanes, MAX_LANES, RayLanes};
 pub use patch::{FlatReason, Patch, PatchKind};
 pub use point::SurfacePoint;
+pub use prepare::Prepared;
 pub use ray::{Ray, Segment};
-pub use real::{Jet, Mask, Real, Scalar};
+pub use real::{Constant, Jet, Mask, Real, Scalar};
 pub use record::PatchRecord;
 pub use sphere::Sphere;
 pub use vector::{Vector, vector};

@@ -23,13 +23,13 @@ fn levels() -> Vec<Level> {
 }
 
 /// A patch's own vertices and what is kept of it.
-struct Corners {
+struct Triangle {
     positions: [Vector<f32>; 3],
     normals: [Vector<f32>; 3],
     record: PatchRecord,
 }
 
-impl Corners {
+impl Triangle {
     fn new(p: [V; 3], n: [V; 3], flags: PatchFlags) -> Self {
         let (positions, normals) = (rounded(p), rounded(n));
         let record = Patch::new(positions, normals, flags).record(flags);
@@ -40,7 +40,13 @@ impl Corners {
         }
     }
     fn kept(&self) -> KeptPatch<'_> {
-        KeptPatch::new(self.positions, self.normals, &self.record)
+        KeptPatch::new(
+            Corners {
+                positions: self.positions,
+                normals: self.normals,
+            },
+            &self.record,
+        )
     }
     fn patch(&self) -> Patch<f32> {
         Patch::from_record(self.positions, self.normals, &self.record)
@@ -81,7 +87,7 @@ fn solvers() -> [Solver; 3] {
 }
 
 /// Checks every lane of a packet at every level; gives how many hits and misses there were.
-fn check(corners: &Corners, rays: &[Ray<f32>], valid: u32, solver: Solver) -> [usize; 2] {
+fn check(triangle: &Triangle, rays: &[Ray<f32>], valid: u32, solver: Solver) -> [usize; 2] {
     let column = |of: fn(&Ray<f32>) -> f32| -> Vec<f32> { rays.iter().map(of).collect() };
     let (o, d) = (
         [
@@ -101,8 +107,8 @@ fn check(corners: &Corners, rays: &[Ray<f32>], valid: u32, solver: Solver) -> [u
         tnear: &column(|ray| ray.tnear),
         tfar: &column(|ray| ray.tfar),
     };
-    let patch = corners.patch();
-    let kept = corners.kept();
+    let patch = triangle.patch();
+    let kept = triangle.kept();
     let mut count = [0; 2];
     for level in levels() {
         let hits = kept.intersect_packet_at(level, &packet, valid, solver, true);
@@ -168,13 +174,13 @@ fn every_lane_is_its_ray_alone() {
                 if n % 13 == 0 {
                     flags = flags.with_flat();
                 }
-                let corners = Corners::new(p, normals, flags);
+                let triangle = Triangle::new(p, normals, flags);
                 let width = [1, 4, 8, 16, 7][n % 5];
-                let patch = corners.patch();
+                let patch = triangle.patch();
                 let rays: Vec<_> = (0..width).map(|_| odd_ray(&mut random, &patch)).collect();
                 let valid = [u32::MAX, 0, 0x5a5a, 0xf7ff][n % 4];
                 for solver in solvers() {
-                    let [hits, misses] = check(&corners, &rays, valid, solver);
+                    let [hits, misses] = check(&triangle, &rays, valid, solver);
                     counts[0] += hits;
                     counts[1] += misses;
                 }
@@ -189,13 +195,13 @@ fn every_lane_is_its_ray_alone() {
 fn a_degenerate_patch_has_no_hits() {
     let p = [vector(0.0, 0.0, 0.0); 3];
     let up = [vector(0.0, 0.0, 1.0); 3];
-    let corners = Corners::new(p, up, PatchFlags::default());
+    let triangle = Triangle::new(p, up, PatchFlags::default());
     let ray = Ray {
         origin: vector(0.0, 0.0, 1.0),
         direction: vector(0.0, 0.0, -1.0),
         tnear: 0.0,
         tfar: f32::INFINITY,
     };
-    let counts = check(&corners, &[ray; 16], u32::MAX, Solver::default());
+    let counts = check(&triangle, &[ray; 16], u32::MAX, Solver::default());
     assert_eq!(counts, [0, 16 * levels().len()]);
 }

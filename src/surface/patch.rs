@@ -8,10 +8,11 @@ use super::bounds::{self, HeightNet};
 use super::correction;
 use super::crossing;
 use super::flags::{BoundsKind, PatchFlags, Surface};
+use super::folds;
 use super::frame::{Frame, SLIVER_AREA};
 use super::hull::Hull;
 use super::outline::Outline;
-use super::real::{Real, Scalar, each, three};
+use super::real::{Constant, Mask, Real, Scalar, each, three};
 use super::record::PatchRecord;
 use super::sides::{Plane, Side, sides};
 use super::sphere::Sphere;
@@ -84,7 +85,7 @@ pub(super) struct Vertex<S> {
 ///
 /// `S` is `f32` or `f64`; the `f64` patch of the same vertices is the oracle for the `f32` one.
 #[derive(Clone, Copy, Debug)]
-pub struct Patch<S> {
+pub struct Patch<S: Constant> {
     /// What rays are clipped to.
     pub(super) hull: Hull<S>,
     pub(super) origin: Vector<S>,
@@ -130,33 +131,48 @@ impl<S: Scalar> Patch<S> {
     /// any units; the patch's own rays and points are in the same ones. What the method cannot
     /// take becomes flat or degenerate; see [`Patch::kind`].
     pub fn new(positions: [Vector<S>; 3], normals: [Vector<S>; 3], flags: PatchFlags) -> Self {
+        Self::with_net(positions, normals, flags).0
+    }
+
+    /// What is kept of the patch, and its box.
+    pub(super) fn prepared(
+        positions: [Vector<S>; 3],
+        normals: [Vector<S>; 3],
+        flags: PatchFlags,
+    ) -> (PatchRecord, [Vector<S>; 2]) {
+        let (patch, net) = Self::with_net(positions, normals, flags);
+        (patch.record(flags), patch.bounds_by(net.as_ref()))
+    }
+
+    /// The patch and what bounds its heights, unless it is flat.
+    fn with_net(
+        positions: [Vector<S>; 3],
+        normals: [Vector<S>; 3],
+        flags: PatchFlags,
+    ) -> (Self, Option<HeightNet<S>>) {
         let Some(frame) = Frame::new(&positions, &normals) else {
-            return Self::empty(positions[0]);
+            return (Self::empty(positions[0]), None);
         };
         let mut patch = Self::laid(&frame, &normals, flags);
-        patch.kind = patch.classify(normals, flags);
-        patch.set_angles();
-        let curved = match patch.kind {
-            PatchKind::Flat(reason) => Err(reason),
-            _ => patch.curve(flags),
-        };
         let mut sphere = None;
-        match curved {
+        let net = match patch.curve(&normals, flags) {
             Ok(net) => {
                 if flags.bounds() == BoundsKind::Sphere {
                     sphere = Some(Sphere::around(&frame, &patch, &net));
                 }
                 patch.slab = net.slab();
-                patch.set_steepness(if flags.is_unchecked() {
-                    u8::MAX
-                } else {
-                    crossing::steepness(&patch)
-                });
+                if !flags.is_unchecked() {
+                    patch.set_steepness(crossing::steepness(crossing::least_cosine(&patch)));
+                }
+                Some(net)
             }
-            Err(reason) => patch.flatten(reason),
-        }
+            Err(reason) => {
+                patch.flatten(reason);
+                None
+            }
+        };
         patch.hull = Hull::new(&frame, &normals, patch.curved_slab(), sphere);
-        patch
+        (patch, net)
     }
 
     /// The patch of these vertices, from what [`Patch::record`] kept of it.
@@ -193,72 +209,6 @@ impl<S: Scalar> Patch<S> {
     /// not flat.
     pub fn sphere(&self) -> Option<&Sphere<S>> {
         self.hull.sphere.as_ref()
-    }
-
-    /// The patch of a triangle, without the correction, the slab and the steepness.
-    #[inline(always)]
-    pub(super) fn laid(frame: &Frame<S>, normals: &[Vector<S>; 3], flags: PatchFlags) -> Self {
-        let zero = S::from_f64(0.0);
-        let plane = Plane::new(frame);
-        let sides = sides(frame, &plane, normals, flags);
-        let vertices = three(
-            #[inline(always)]
-            |i| Vertex {
-                normal: normals[i].dot(plane.normal),
-                inward: three(
-                    #[inline(always)]
-                    |k| normals[i].dot(plane.inward[k]),
-                ),
-                between: -frame.edges[i].dot(frame.edges[next(next(i))]),
-                inverse_angle: zero,
-            },
-        );
-        let mut patch = Self {
-            hull: Hull::empty(frame.origin),
-            origin: frame.origin,
-            size: frame.size,
-            spokes: [frame.edges[0], -frame.edges[2]],
-            normal: plane.normal,
-            winding: frame.winding,
-            gradients: plane.gradients,
-            any_obtuse: sides[0].obtuse | sides[1].obtuse | sides[2].obtuse,
-            any_loose: (0..3).any(|k| flags.is_straight(k)),
-            sides,
-            vertices,
-            base: frame.longest,
-            along_base: frame.edges[frame.longest] * plane.per_length2[frame.longest],
-            area2: frame.area2,
-            slab: [zero; 2],
-            rule: Rule::of(flags.surface()),
-            kind: PatchKind::Curved,
-            steepness: u8::MAX,
-            steep: crossing::steep(u8::MAX),
-        };
-        each(
-            #[inline(always)]
-            |k| {
-                // Over twice the normals' mean cosine, near enough for a guess.
-                let upright = patch.vertices[k].normal + patch.vertices[next(k)].normal;
-                let quarter = S::from_f64(0.25);
-                patch.sides[k].bulge = patch.mean_bend(k) * (upright * quarter - S::from_f64(1.0));
-            },
-        );
-        patch
-    }
-
-    /// Sets how steep the surface is.
-    #[inline(always)]
-    pub(super) fn set_steepness(&mut self, steepness: u8) {
-        self.steepness = steepness;
-        self.steep = crossing::steep(steepness);
-    }
-
-    /// Sets the angles at the vertices, which only the angular rule asks for.
-    pub(super) fn set_angles(&mut self) {
-        for vertex in &mut self.vertices {
-            let angle = Real::atan2(self.area2, vertex.between);
-            vertex.inverse_angle = S::from_f64(1.0) / angle;
-        }
     }
 
     /// A patch without area.
@@ -305,53 +255,60 @@ impl<S: Scalar> Patch<S> {
             any_loose: false,
             kind: PatchKind::Degenerate,
             steepness: u8::MAX,
-            steep: crossing::steep(u8::MAX),
+            steep: crossing::steep(zero, u8::MAX),
         }
     }
 
-    /// Whether the method may try this triangle.
-    fn classify(&self, normals: [Vector<S>; 3], flags: PatchFlags) -> PatchKind {
-        let least = S::from_f64(MIN_NORMAL_COSINE);
+    /// Why the triangle has to be flat whatever it would be curved to.
+    fn flat_reason(&self, normals: &[Vector<S>; 3], flags: PatchFlags) -> Option<FlatReason> {
         if flags.is_flat() {
-            PatchKind::Flat(FlatReason::Asked)
+            Some(FlatReason::Asked)
         } else if self.area2 < S::from_f64(SLIVER_AREA) {
-            PatchKind::Flat(FlatReason::Sliver)
-        } else if normals
-            .iter()
-            .any(|n| !(least < n.dot(self.normal)) || !n.is_finite())
-        {
-            // A NaN fails the comparison and ends here as well.
-            PatchKind::Flat(FlatReason::BackNormal)
+            Some(FlatReason::Sliver)
+        } else if !self.agrees(normals) {
+            Some(FlatReason::BackNormal)
         } else {
-            PatchKind::Curved
+            None
         }
     }
 
     /// Chooses the rule, adds the correction, and bounds the heights.
-    fn curve(&mut self, flags: PatchFlags) -> Result<HeightNet<S>, FlatReason> {
-        if self.rule == Rule::Tensor && !flags.is_unchecked() {
-            let spread = bounds::spread(self);
-            if !(spread.is_tame() && HeightNet::new(self, &spread).is_low(self)) {
+    fn curve(
+        &mut self,
+        normals: &[Vector<S>; 3],
+        flags: PatchFlags,
+    ) -> Result<HeightNet<S>, FlatReason> {
+        if let Some(reason) = self.flat_reason(normals, flags) {
+            return Err(reason);
+        }
+        if self.rule == Rule::Angular {
+            self.set_angles();
+        }
+        let mut looked_at = self.look();
+        if !flags.is_unchecked() {
+            if self.rule == Rule::Tensor && !(looked_at.tame & looked_at.low) {
                 self.rule = Rule::Angular;
                 self.kind = PatchKind::Fallback;
+                self.set_angles();
+                looked_at = self.look();
             }
-        }
-        let spread = bounds::spread(self);
-        if !flags.is_unchecked() {
-            if !(spread.reaches() && HeightNet::new(self, &spread).is_low(self))
-                || bounds::shears(self)
-            {
+            if !(looked_at.reaches & looked_at.low) || folds::shears(self) {
                 return Err(FlatReason::Bend);
             }
-            if bounds::folds(self) {
+            if folds::folds(self) {
                 return Err(FlatReason::Fold);
             }
         }
         if flags.surface() == Surface::Smooth {
-            correction::fit(self, flags);
-            self.round_correction();
+            self.correct(flags);
         }
-        Ok(HeightNet::new(self, &spread))
+        Ok(looked_at.net.corrected(self))
+    }
+
+    /// As [`Patch::looked_at`]; asked for twice, but there once.
+    #[inline(never)]
+    fn look(&self) -> LookedAt<S> {
+        self.looked_at()
     }
 
     /// The slab of heights, unless the patch is plane.
@@ -374,4 +331,126 @@ impl<S: Scalar> Patch<S> {
             side.correction = [zero; 3];
         }
     }
+}
+
+impl<S: Constant> Patch<S> {
+    /// The patch of a triangle, without the correction, the slab and the steepness.
+    #[inline(always)]
+    pub(super) fn laid(frame: &Frame<S>, normals: &[Vector<S>; 3], flags: PatchFlags) -> Self {
+        let zero = frame.area2.constant(0.0);
+        let plane = Plane::new(frame);
+        let sides = sides(frame, &plane, normals, flags);
+        let vertices = three(
+            #[inline(always)]
+            |i| Vertex {
+                normal: normals[i].dot(plane.normal),
+                inward: three(
+                    #[inline(always)]
+                    |k| normals[i].dot(plane.inward[k]),
+                ),
+                between: -frame.edges[i].dot(frame.edges[next(next(i))]),
+                inverse_angle: zero,
+            },
+        );
+        let mut patch = Self {
+            hull: Hull::empty(frame.origin),
+            origin: frame.origin,
+            size: frame.size,
+            spokes: [frame.edges[0], -frame.edges[2]],
+            normal: plane.normal,
+            winding: frame.winding,
+            gradients: plane.gradients,
+            any_obtuse: (sides[0].obtuse | sides[1].obtuse | sides[2].obtuse).any(),
+            any_loose: (0..3).any(|k| flags.is_straight(k)),
+            sides,
+            vertices,
+            base: frame.longest,
+            along_base: frame.edges[frame.longest] * plane.per_length2[frame.longest],
+            area2: frame.area2,
+            slab: [zero; 2],
+            rule: Rule::of(flags.surface()),
+            kind: PatchKind::Curved,
+            steepness: u8::MAX,
+            steep: crossing::steep(zero, u8::MAX),
+        };
+        each(
+            #[inline(always)]
+            |k| {
+                // Over twice the normals' mean cosine, near enough for a guess.
+                let upright = patch.vertices[k].normal + patch.vertices[next(k)].normal;
+                let quarter = zero.constant(0.25);
+                patch.sides[k].bulge =
+                    patch.mean_bend(k) * (upright * quarter - zero.constant(1.0));
+            },
+        );
+        patch
+    }
+
+    /// Sets how steep the surface is.
+    #[inline(always)]
+    pub(super) fn set_steepness(&mut self, steepness: u8) {
+        self.steepness = steepness;
+        self.steep = crossing::steep(self.area2, steepness);
+    }
+
+    /// Sets the angles at the vertices, which only the angular rule asks for.
+    #[inline(always)]
+    pub(super) fn set_angles(&mut self) {
+        for vertex in &mut self.vertices {
+            let angle = Real::atan2(self.area2, vertex.between);
+            vertex.inverse_angle = angle.constant(1.0) / angle;
+        }
+    }
+
+    /// Whether all vertex normals are on the plane's side.
+    #[inline(always)]
+    pub(super) fn agrees(&self, normals: &[Vector<S>; 3]) -> S::Mask {
+        let (zero, least) = (
+            self.area2.constant(0.0),
+            self.area2.constant(MIN_NORMAL_COSINE),
+        );
+        let mut agrees = zero.mask(true);
+        each(
+            #[inline(always)]
+            |i| {
+                // Zero times what is not finite is no number, which fails any comparison.
+                let Vector { x, y, z } = normals[i] * zero;
+                let finite = (x + y + z).at_most(zero);
+                agrees = agrees & least.less(self.vertices[i].normal) & finite;
+            },
+        );
+        agrees
+    }
+
+    /// What the bounds say of the surface by the present rule.
+    #[inline(always)]
+    pub(super) fn looked_at(&self) -> LookedAt<S> {
+        let spread = bounds::spread(self);
+        let net = HeightNet::new(self, &spread);
+        LookedAt {
+            tame: spread.is_tame(),
+            reaches: spread.reaches(),
+            low: net.is_low(self),
+            net,
+        }
+    }
+
+    /// Adds the correction.
+    #[inline(always)]
+    pub(super) fn correct(&mut self, flags: PatchFlags) {
+        correction::fit(self, flags);
+        self.round_correction();
+    }
+}
+
+/// What bounds say of a surface.
+pub(super) struct LookedAt<S: Constant> {
+    /// Whether the curvature tensor may be used.
+    pub tame: S::Mask,
+    /// Whether every guide meets every sphere.
+    pub reaches: S::Mask,
+    /// Whether it stays near to the triangle.
+    pub low: S::Mask,
+    /// The heights, without the correction.
+    pub net: HeightNet<S>,
 }

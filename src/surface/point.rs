@@ -3,7 +3,7 @@
 use super::dual::Dual;
 use super::guide::Foot;
 use super::patch::{Patch, Rule, next};
-use super::real::{Real, Scalar, inlined};
+use super::real::{Constant, Real, inlined};
 use super::vector::{Vector, vector};
 
 /// How far from a vertex derivatives are taken at the least, in barycentric coordinates.
@@ -24,7 +24,7 @@ pub struct SurfacePoint<V> {
     pub normal: Vector<V>,
 }
 
-impl<S: Scalar> Patch<S> {
+impl<S: Constant> Patch<S> {
     /// The surface over the plane point with barycentric coordinates `(1 - u - v, u, v)`.
     ///
     /// Analytic: derivatives are carried through the very source that computes the height. On a

@@ -4,7 +4,7 @@
 use super::frame::THIN;
 use super::hull::{Interval, max_abs};
 use super::patch::{Patch, Rule, next};
-use super::real::{Mask, Real, Scalar, inlined, three};
+use super::real::{Constant, Mask, Real, Scalar, inlined, three};
 use super::vector::Vector;
 
 /// A ray in the space of the patch's positions.
@@ -205,7 +205,7 @@ impl<V: Real> Segment<V> {
     /// The tolerance at which a root is as good as the precision allows, in the segment's parameter.
     #[inline(always)]
     pub(super) fn tolerance(&self) -> V {
-        let epsilon = self.speed.splat(V::Scalar::EPSILON);
+        let epsilon = self.speed.constant(V::Scalar::PRECISION);
         epsilon / self.speed + epsilon * epsilon.constant(0.25) * self.start.abs()
     }
 

@@ -1,7 +1,8 @@
 //! The numbers the kernel is written over: one source for `f32`, `f64` and SIMD lanes.
 //!
 //! Three layers, because a patch, a ray and a derivative are different kinds of number:
-//! - [`Scalar`]: `f32` or `f64`, what a patch's constants are made of;
+//! - [`Constant`]: what a patch's constants are made of; [`Scalar`]s, `f32` or `f64`, of one patch, or a
+//!   number a lane, of as many patches that are made at once;
 //! - [`Real`]: one value, or one value a lane; compared by masks and chosen by `select`, so that
 //!   nothing in an evaluation branches on a value;
 //! - [`Jet`]: a [`Real`], or a [`Real`] with its partial derivatives ([`super::dual::Dual`]).
@@ -33,7 +34,9 @@ pub(super) fn inlined<F>(closure: F) -> F {
 }
 
 /// The answer of a comparison, one truth value a lane.
-pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+pub trait Mask:
+    Copy + std::fmt::Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
+{
     /// Whether any lane holds.
     fn any(self) -> bool;
     /// How many lanes hold.
@@ -83,11 +86,15 @@ impl<T> Arithmetic for T where
 pub trait Real: Arithmetic {
     /// One truth value a lane.
     type Mask: Mask;
-    /// What one lane holds.
-    type Scalar: Scalar;
+    /// What the constants are made of that are the same in every lane.
+    type Scalar: Constant;
 
     /// This value in every lane, as many as `self` has.
     fn splat(self, value: Self::Scalar) -> Self;
+    /// This truth of a constant in every lane.
+    fn splat_mask(self, value: <Self::Scalar as Real>::Mask) -> Self::Mask;
+    /// The same constant in every lane, rounded to the lanes' precision.
+    fn constant(self, value: f64) -> Self;
     /// This truth value in every lane, as many as `self` has.
     fn mask(self, value: bool) -> Self::Mask;
     /// `self < other`, lane by lane; false where either is NaN.
@@ -103,11 +110,6 @@ pub trait Real: Arithmetic {
     /// The angle of the point `(x, self)`, in radians within [-pi, pi]; 0 at the origin.
     fn atan2(self, x: Self) -> Self;
 
-    /// The same constant in every lane, rounded to the lanes' precision.
-    #[inline(always)]
-    fn constant(self, value: f64) -> Self {
-        self.splat(Self::Scalar::from_f64(value))
-    }
     /// Calls a function whose code is better not copied to each place that calls it.
     #[inline(always)]
     fn apart<T>(self, call: impl FnOnce() -> T) -> T {
@@ -125,8 +127,20 @@ pub trait Real: Arithmetic {
     }
 }
 
-/// `f32` or `f64`: what a patch's constants are made of.
-pub trait Scalar: Real<Scalar = Self, Mask = bool> + PartialOrd + std::fmt::Debug {
+/// What a patch's constants are made of: a number, or a number a lane, each of a patch of its own.
+pub trait Constant: Real<Scalar = Self> + std::fmt::Debug {
+    /// The distance from 1 to the next larger number.
+    const PRECISION: f64;
+
+    /// The largest power of two that is not larger than this positive normal number.
+    ///
+    /// Dividing by it is exact, so two triangles that share a side get bit-equal numbers of it,
+    /// whatever their own sizes.
+    fn power_of_two(self) -> Self;
+}
+
+/// `f32` or `f64`.
+pub trait Scalar: Constant<Mask = bool> + PartialOrd {
     /// The distance from 1 to the next larger value.
     const EPSILON: Self;
     /// A finite value larger than any a scene holds.
@@ -138,11 +152,6 @@ pub trait Scalar: Real<Scalar = Self, Mask = bool> + PartialOrd + std::fmt::Debu
     fn to_f64(self) -> f64;
     /// Whether it is neither infinite nor NaN.
     fn is_finite(self) -> bool;
-    /// The largest power of two that is not larger than this positive normal number.
-    ///
-    /// Dividing by it is exact, so two triangles that share a side get bit-equal numbers of it,
-    /// whatever their own sizes.
-    fn power_of_two(self) -> Self;
 }
 
 macro_rules! scalar {
@@ -154,6 +163,14 @@ macro_rules! scalar {
             #[inline(always)]
             fn splat(self, value: $float) -> Self {
                 value
+            }
+            #[inline(always)]
+            fn splat_mask(self, value: bool) -> bool {
+                value
+            }
+            #[inline(always)]
+            fn constant(self, value: f64) -> Self {
+                value as $float
             }
             #[inline(always)]
             fn mask(self, value: bool) -> bool {
@@ -185,6 +202,15 @@ macro_rules! scalar {
             }
         }
 
+        impl Constant for $float {
+            const PRECISION: f64 = $float::EPSILON as f64;
+
+            #[inline(always)]
+            fn power_of_two(self) -> Self {
+                $float::from_bits(self.to_bits() & $exponent_bits)
+            }
+        }
+
         impl Scalar for $float {
             const EPSILON: Self = $float::EPSILON;
             const HUGE: Self = $huge;
@@ -200,10 +226,6 @@ macro_rules! scalar {
             #[inline(always)]
             fn is_finite(self) -> bool {
                 $float::is_finite(self)
-            }
-            #[inline(always)]
-            fn power_of_two(self) -> Self {
-                $float::from_bits(self.to_bits() & $exponent_bits)
             }
         }
     };

@@ -2,7 +2,7 @@
 
 use super::flags::PatchFlags;
 use super::patch::{FlatReason, Patch, PatchKind};
-use super::real::Scalar;
+use super::real::{Constant, Scalar, each, inlined};
 use super::sphere::Enlargement;
 
 /// The per-triangle results worth keeping: with the three vertices they give the patch back
@@ -47,6 +47,35 @@ const DIGITS: i32 = 15;
 const EXPONENTS: [i32; 2] = [-100, 100];
 
 impl PatchRecord {
+    /// Of a triangle without area, which nothing is known of yet.
+    pub(crate) fn blank(flags: PatchFlags) -> Self {
+        let heights = Heights {
+            slab: [0.0; 2],
+            correction: [[0.0; 3]; 3],
+            unit: 1.0,
+            steepness: u8::MAX,
+        };
+        Self::new(PatchKind::Degenerate, flags, &heights)
+    }
+
+    /// Of a patch without a sphere.
+    #[inline]
+    pub(super) fn new(kind: PatchKind, flags: PatchFlags, heights: &Heights) -> Self {
+        let kind = KINDS.iter().position(|&listed| listed == kind);
+        let per_unit = 1.0 / heights.unit;
+        Self {
+            slab: heights.slab,
+            correction: heights
+                .correction
+                .map(|side| side.map(|c| (c * per_unit) as i16)),
+            flags,
+            kind: kind.expect("every kind is in the list") as u8,
+            steepness: heights.steepness,
+            exponent: (((heights.unit.to_bits() >> 23) & 0xff) as i32 - 127) as i8,
+            enlargement: Enlargement::default(),
+        }
+    }
+
     /// The flags the patch was made with.
     pub fn flags(&self) -> PatchFlags {
         self.flags
@@ -80,41 +109,71 @@ impl PatchRecord {
 impl<S: Scalar> Patch<S> {
     /// What [`Patch::from_record`] needs to know beside the vertices.
     pub fn record(&self, flags: PatchFlags) -> PatchRecord {
-        let kind = KINDS.iter().position(|&kind| kind == self.kind);
-        let exponent = self.correction_exponent();
-        PatchRecord {
-            slab: self.slab.map(|z| z.to_f64() as f32),
-            correction: self
-                .sides
-                .map(|side| side.correction.map(|c| digits(c, exponent))),
-            flags,
-            kind: kind.expect("every kind is in the list") as u8,
+        let single = |value: S| value.to_f64() as f32;
+        let heights = Heights {
+            slab: self.slab.map(single),
+            correction: self.sides.map(|side| side.correction.map(single)),
+            unit: single(self.correction_unit()),
             steepness: self.steepness,
-            exponent: exponent as i8,
-            enlargement: self
-                .sphere()
-                .map_or_else(Default::default, |s| s.enlargement()),
+        };
+        let sphere = self.sphere();
+        PatchRecord {
+            enlargement: sphere.map_or_else(Default::default, |sphere| sphere.enlargement()),
+            ..PatchRecord::new(self.kind, flags, &heights)
         }
     }
+}
 
+/// What a record keeps of a patch's heights.
+pub(super) struct Heights {
+    pub slab: [f32; 2],
+    /// Rounded to whole units.
+    pub correction: [[f32; 3]; 3],
+    /// A power of two.
+    pub unit: f32,
+    pub steepness: u8,
+}
+
+impl<S: Constant> Patch<S> {
     /// Rounds the correction to what a record holds of it, before anything is computed from it.
+    #[inline(always)]
     pub(super) fn round_correction(&mut self) {
-        let exponent = self.correction_exponent();
-        let unit = power_of_two(exponent);
-        for c in self.sides.iter_mut().flat_map(|side| &mut side.correction) {
-            *c = S::from_f64((f32::from(digits(*c, exponent)) * unit).into());
-        }
+        let unit = self.correction_unit();
+        // What is added to this keeps no digits below the unit.
+        let coarse = unit * unit.constant(1.5 / S::PRECISION);
+        // The greatest may round up beyond the digits.
+        let most = unit * unit.constant(i16::MAX.into());
+        each(
+            #[inline(always)]
+            |k| {
+                let [a, b, c] = self.sides[k].correction;
+                let rounded = inlined(
+                    #[inline(always)]
+                    |value: S| ((value + coarse) - coarse).greater(-most).lesser(most),
+                );
+                self.sides[k].correction = [rounded(a), rounded(b), rounded(c)];
+            },
+        );
     }
 
-    /// The exponent of the unit in which the greatest coefficient takes all the digits. Rounding to
-    /// that unit does not change it.
-    fn correction_exponent(&self) -> i32 {
-        let all = self.sides.iter().flat_map(|side| side.correction);
-        let greatest = all.fold(0.0, |most, c| c.to_f64().abs().max(most));
-        let [least, most] = EXPONENTS;
-        // In f64 every f32 and all that matters of f64 is a normal number, whose exponent this is.
-        let exponent = ((greatest.to_bits() >> 52) & 0x7ff) as i32 - 1023;
-        (exponent + 1 - DIGITS).clamp(least, most)
+    /// The unit, a power of two, in which the greatest coefficient takes all the digits. Rounding to it
+    /// does not change it.
+    #[inline(always)]
+    pub(super) fn correction_unit(&self) -> S {
+        let like = self.area2;
+        let mut greatest = like.constant(0.0);
+        each(
+            #[inline(always)]
+            |k| {
+                let [a, b, c] = self.sides[k].correction;
+                greatest = a.abs().greater(greatest);
+                greatest = b.abs().greater(greatest);
+                greatest = c.abs().greater(greatest);
+            },
+        );
+        let [least, most] = EXPONENTS.map(|exponent| like.constant(2f64.powi(exponent)));
+        let unit = greatest.power_of_two() * like.constant(2f64.powi(1 - DIGITS));
+        unit.greater(least).lesser(most)
     }
 }
 
@@ -122,14 +181,6 @@ impl<S: Scalar> Patch<S> {
 #[inline(always)]
 fn power_of_two(exponent: i32) -> f32 {
     f32::from_bits(((exponent + 127) as u32) << 23)
-}
-
-/// A coefficient in units of two to this power; the greatest may round up beyond the digits, and is
-/// kept within.
-fn digits<S: Scalar>(coefficient: S, exponent: i32) -> i16 {
-    let unit = f64::from(power_of_two(exponent));
-    let most = f64::from(i16::MAX);
-    (coefficient.to_f64() / unit).round().clamp(-most, most) as i16
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 use super::flags::{PatchFlags, Surface};
 use super::frame::Frame;
 use super::patch::next;
-use super::real::{Real, Scalar, inlined, three};
+use super::real::{Constant, Real, inlined, three};
 use super::vector::Vector;
 
 /// The centroid's foot on a side must lie this far inside it, as a share of the side's length, for
@@ -14,7 +14,7 @@ const MIN_CENTROID_FOOT: f64 = 0.1;
 /// What a patch knows of a side, in the side's frame: x along the side from its first vertex, y
 /// along the inward in-plane perpendicular.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Side<S> {
+pub(super) struct Side<S: Real> {
     /// Squared length.
     pub length2: S,
     /// Height of the opposite vertex over the side.
@@ -30,7 +30,7 @@ pub(super) struct Side<S> {
     /// One over three times the centroid's foot as a share of the length, from either end.
     pub rise: [S; 2],
     /// Whether the ramp of obtuse triangles takes the place of the paper's planes.
-    pub obtuse: bool,
+    pub obtuse: S::Mask,
     /// `2 n.(other - own)` at the side's two ends: reference curvature times squared length.
     pub bend: [S; 2],
     /// Height of the surface over the side's middle, four times, by the mean of the two bends.
@@ -59,10 +59,10 @@ pub(super) struct Plane<S> {
     pub per_length2: [S; 3],
 }
 
-impl<S: Scalar> Plane<S> {
+impl<S: Constant> Plane<S> {
     #[inline(always)]
     pub fn new(frame: &Frame<S>) -> Self {
-        let one = S::from_f64(1.0);
+        let one = frame.area2.constant(1.0);
         let per_area = one / frame.area2;
         let per_length2 = ratios([one; 3], frame.lengths2);
         let lengths = roots(frame.lengths2);
@@ -111,14 +111,17 @@ impl<S: Scalar> Plane<S> {
 
 /// The three sides, without their corrections.
 #[inline(always)]
-pub(super) fn sides<S: Scalar>(
+pub(super) fn sides<S: Constant>(
     frame: &Frame<S>,
     plane: &Plane<S>,
     normals: &[Vector<S>; 3],
     flags: PatchFlags,
 ) -> [Side<S>; 3] {
-    let (zero, one) = (S::from_f64(0.0), S::from_f64(1.0));
-    let third = S::from_f64(1.0 / 3.0);
+    let constant = inlined(
+        #[inline(always)]
+        |value: f64| frame.area2.constant(value),
+    );
+    let (zero, one, third) = (constant(0.0), constant(1.0), constant(1.0 / 3.0));
     let edges = &frame.edges;
     let sums = three(
         #[inline(always)]
@@ -150,7 +153,7 @@ pub(super) fn sides<S: Scalar>(
             |k| centroids[k] * (one - centroids[k]),
         ),
     );
-    let margin = S::from_f64(MIN_CENTROID_FOOT);
+    let margin = constant(MIN_CENTROID_FOOT);
     let smooth = flags.surface() == Surface::Smooth;
     let side = inlined(
         #[inline(always)]
@@ -158,12 +161,12 @@ pub(super) fn sides<S: Scalar>(
             let edge = edges[k];
             let (straight, per_height) = (flags.is_straight(k), plane.heights[3 + k]);
             let centroid = centroids[k];
-            let obtuse = !(margin < centroid && centroid < one - margin);
+            let obtuse = !(margin.less(centroid) & centroid.less(one - margin));
             let (first, second) = (normals[k].dot(edge), normals[next(k)].dot(edge));
-            let kept = S::from_f64(if straight { 0.0 } else { 2.0 });
-            let most = S::from_f64(0.9);
+            let kept = constant(if straight { 0.0 } else { 2.0 });
+            let most = constant(0.9);
             let damping = (sums[k].dot(edge).abs() * plane.per_length[k]).lesser(most);
-            let damped = S::from_f64(if smooth && !straight { 4.0 } else { 0.0 });
+            let damped = constant(if smooth && !straight { 4.0 } else { 0.0 });
             Side {
                 length2: frame.lengths2[k],
                 height: plane.heights[k],
@@ -189,18 +192,16 @@ pub(super) fn sides<S: Scalar>(
 
 /// Three square roots at once.
 #[inline(always)]
-pub(super) fn roots<S: Scalar>([a, b, c]: [S; 3]) -> [S; 3] {
+pub(super) fn roots<S: Constant>([a, b, c]: [S; 3]) -> [S; 3] {
     // Of four, for which there is one instruction.
-    let [a, b, c, _] = [a, b, c, c].map(
-        #[inline(always)]
-        |of| Real::sqrt(of),
-    );
+    let root = <S as Real>::sqrt;
+    let [a, b, c, _] = [root(a), root(b), root(c), root(c)];
     [a, b, c]
 }
 
 /// Three quotients at once.
 #[inline(always)]
-fn ratios<S: Scalar>([a, b, c]: [S; 3], [p, q, r]: [S; 3]) -> [S; 3] {
+fn ratios<S: Constant>([a, b, c]: [S; 3], [p, q, r]: [S; 3]) -> [S; 3] {
     let [a, b, c, _] = [a / p, b / q, c / r, c / r];
     [a, b, c]
 }

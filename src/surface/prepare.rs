@@ -1,0 +1,309 @@
+//! Many triangles made into patches at once, one in each SIMD lane: what is kept of them and their
+//! boxes, bit for bit what [`Patch::new`] makes of each alone.
+
+use fearless_simd::{Level, dispatch, prelude::*};
+
+use super::crossing;
+use super::flags::{BoundsKind, PatchFlags, Surface};
+use super::folds;
+use super::frame::{Frame, SLIVER_AREA};
+use super::kept::Corners;
+use super::lanes::{LaneMask, Patches};
+use super::packet::MAX_LANES;
+use super::patch::{Patch, PatchKind, Rule};
+use super::real::three;
+use super::record::{Heights, PatchRecord};
+use super::vector::{Vector, vector};
+
+/// Takes a triangle's place in the list and what it was made into. One type for all who ask, since the
+/// code in lanes is large and there for each kind of processor.
+type Take<'a> = &'a mut dyn FnMut(usize, Prepared);
+
+/// What a triangle was made into.
+#[derive(Clone, Copy, Debug)]
+pub struct Prepared {
+    /// As [`Patch::record`] tells.
+    pub record: PatchRecord,
+    /// As [`Patch::bounds`] tells.
+    pub bounds: [Vector<f32>; 2],
+}
+
+impl Prepared {
+    /// One triangle.
+    pub fn new(triangle: &Corners, flags: PatchFlags) -> Self {
+        let (record, bounds) = Patch::prepared(triangle.positions, triangle.normals, flags);
+        Self { record, bounds }
+    }
+
+    /// Triangles with the same flags, each of which is handed on with its place in the list.
+    pub fn each(triangles: &[Corners], flags: PatchFlags, mut take: impl FnMut(usize, Self)) {
+        Self::each_at(Level::new(), triangles, flags, &mut take);
+    }
+
+    /// The same with the instructions of one level.
+    fn each_at(level: Level, triangles: &[Corners], flags: PatchFlags, take: Take<'_>) {
+        if flags.is_flat() || flags.is_unchecked() || flags.bounds() == BoundsKind::Sphere {
+            for (n, triangle) in triangles.iter().enumerate() {
+                take(n, Self::new(triangle, flags));
+            }
+            return;
+        }
+        dispatch!(level, simd => each_in_lanes(simd, triangles, flags, take));
+    }
+}
+
+/// A register's lanes of triangles at a time; those that the method does not take as they are, one by
+/// one: there are few.
+#[inline(always)]
+fn each_in_lanes<S: Simd>(simd: S, triangles: &[Corners], flags: PatchFlags, take: Take<'_>) {
+    let mut made = Made::default();
+    for (n, group) in triangles.chunks(S::f32s::LEN).enumerate() {
+        let taken = make(simd, group, flags, &mut made);
+        for (lane, triangle) in group.iter().enumerate() {
+            let prepared = if taken & 1 << lane != 0 {
+                made.prepared(lane, flags)
+            } else {
+                Prepared::new(triangle, flags)
+            };
+            take(n * S::f32s::LEN + lane, prepared);
+        }
+    }
+}
+
+/// A triangle's frame and its normals.
+type Laid = (Frame<f32>, [Vector<f32>; 3]);
+
+/// Makes patches of as many triangles as a register has lanes, or fewer; one bit a lane for those that
+/// are curved by the rule that the surface asks for.
+#[inline(always)]
+fn make<S: Simd>(simd: S, group: &[Corners], flags: PatchFlags, made: &mut Made) -> u64 {
+    let Some((mut taken, laid)) = lay(group) else {
+        return 0;
+    };
+    let (frame, normals) = in_lanes(simd, &laid);
+    let mut patch = Patch::laid(&frame, &normals, flags);
+    if patch.rule == Rule::Angular {
+        patch.set_angles();
+    }
+    let looked_at = simd.vectorize(
+        #[inline(always)]
+        || patch.looked_at(),
+    );
+    let fits = match patch.rule {
+        Rule::Tensor => looked_at.tame,
+        _ => looked_at.reaches,
+    };
+    let LaneMask(stands) = !(folds::shears(&patch) | folds::folds(&patch));
+    let LaneMask(near) = patch.agrees(&normals) & fits & looked_at.low;
+    taken &= (near & stands).to_bitmask();
+    if taken != 0 {
+        if flags.surface() == Surface::Smooth {
+            simd.vectorize(
+                #[inline(always)]
+                || patch.correct(flags),
+            );
+        }
+        let net = looked_at.net.corrected(&patch);
+        made.slab = net.slab().map(column);
+        for (to, side) in made.correction.iter_mut().zip(&patch.sides) {
+            for (to, &coefficient) in to.iter_mut().zip(&side.correction) {
+                *to = column(coefficient);
+            }
+        }
+        made.unit = column(patch.correction_unit());
+        made.least_cosine = simd.vectorize(
+            #[inline(always)]
+            || column(crossing::least_cosine(&patch)),
+        );
+        let [lower, upper] = patch.tight_box(Some(&net));
+        made.bounds = [columns(lower), columns(upper)];
+    }
+    taken
+}
+
+/// The frames of the triangles that have a plane, one bit each, and something in the other lanes; none
+/// where no triangle has.
+#[inline(always)]
+fn lay(group: &[Corners]) -> Option<(u64, [Laid; MAX_LANES])> {
+    let frame = |triangle: &Corners| {
+        let frame = Frame::new(&triangle.positions, &triangle.normals);
+        frame.filter(|frame| frame.area2 >= SLIVER_AREA as f32)
+    };
+    let first = group
+        .iter()
+        .position(|triangle| frame(triangle).is_some())?;
+    let mut laid = [(frame(&group[first])?, group[first].normals); MAX_LANES];
+    let mut there = 0;
+    for (lane, triangle) in group.iter().enumerate().skip(first) {
+        if let Some(frame) = frame(triangle) {
+            laid[lane] = (frame, triangle.normals);
+            there |= 1 << lane;
+        }
+    }
+    Some((there, laid))
+}
+
+/// A triangle a lane.
+#[inline(always)]
+fn in_lanes<S: Simd>(
+    simd: S,
+    laid: &[Laid; MAX_LANES],
+) -> (Frame<Patches<S>>, [Vector<Patches<S>>; 3]) {
+    macro_rules! number {
+        ($of:expr) => {{
+            let mut column = [0.0; MAX_LANES];
+            for (to, from) in column.iter_mut().zip(laid) {
+                *to = $of(from);
+            }
+            Patches(S::f32s::from_slice(simd, &column[..S::f32s::LEN]))
+        }};
+    }
+    macro_rules! vector {
+        ($of:expr) => {
+            vector(
+                number!(|laid: &Laid| $of(laid).x),
+                number!(|laid: &Laid| $of(laid).y),
+                number!(|laid: &Laid| $of(laid).z),
+            )
+        };
+    }
+    let frame = Frame {
+        origin: vector!(|(frame, _): &Laid| frame.origin),
+        size: number!(|(frame, _): &Laid| frame.size),
+        edges: three(
+            #[inline(always)]
+            |k| vector!(|(frame, _): &Laid| frame.edges[k]),
+        ),
+        lengths2: three(
+            #[inline(always)]
+            |k| number!(|(frame, _): &Laid| frame.lengths2[k]),
+        ),
+        // Only rays ask for it.
+        longest: 0,
+        cross: vector!(|(frame, _): &Laid| frame.cross),
+        area2: number!(|(frame, _): &Laid| frame.area2),
+        winding: number!(|(frame, _): &Laid| frame.winding),
+    };
+    let normals = three(
+        #[inline(always)]
+        |i| vector!(|(_, normals): &Laid| normals[i]),
+    );
+    (frame, normals)
+}
+
+/// A number a lane.
+type Column = [f32; MAX_LANES];
+
+/// What patches in lanes were made into.
+#[derive(Default)]
+struct Made {
+    slab: [Column; 2],
+    correction: [[Column; 3]; 3],
+    unit: Column,
+    least_cosine: Column,
+    bounds: [[Column; 3]; 2],
+}
+
+impl Made {
+    #[inline(always)]
+    fn prepared(&self, lane: usize, flags: PatchFlags) -> Prepared {
+        let heights = Heights {
+            slab: self.slab.each_ref().map(|column| column[lane]),
+            correction: (self.correction.each_ref())
+                .map(|side| side.each_ref().map(|column| column[lane])),
+            unit: self.unit[lane],
+            steepness: crossing::steepness(self.least_cosine[lane]),
+        };
+        let corner = |[x, y, z]: &[Column; 3]| vector(x[lane], y[lane], z[lane]);
+        Prepared {
+            record: PatchRecord::new(PatchKind::Curved, flags, &heights),
+            bounds: self.bounds.each_ref().map(corner),
+        }
+    }
+}
+
+#[inline(always)]
+fn column<S: Simd>(numbers: Patches<S>) -> Column {
+    let mut column = [0.0; MAX_LANES];
+    numbers.0.store_slice(&mut column[..S::f32s::LEN]);
+    column
+}
+
+#[inline(always)]
+fn columns<S: Simd>(vector: Vector<Patches<S>>) -> [Column; 3] {
+    [column(vector.x), column(vector.y), column(vector.z)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{Random, rounded};
+    use super::*;
+
+    fn triangles(random: &mut Random) -> Vec<Corners> {
+        (0..2000)
+            .map(|n| {
+                let tilt = [3.0, 10.0, 25.0, 50.0][n / 7 % 4];
+                let (positions, normals) = random.triangle(tilt, 0.6);
+                let mut corners = Corners {
+                    positions: rounded(positions),
+                    normals: rounded(normals),
+                };
+                match n % 41 {
+                    0 => corners.positions[2] = corners.positions[1],
+                    1 => corners.positions[2] = (corners.positions[0] + corners.positions[1]) * 0.5,
+                    2 => corners.normals[0] = -corners.normals[0],
+                    3 => corners.normals[1].x = f32::NAN,
+                    _ => {}
+                }
+                corners
+            })
+            .collect()
+    }
+
+    /// Each number's bits, of which NaN has some as well.
+    fn bits(prepared: &Prepared) -> String {
+        let corners = prepared
+            .bounds
+            .map(|corner| corner.to_array().map(f32::to_bits));
+        format!("{:?} {corners:?}", prepared.record)
+    }
+
+    #[test]
+    fn lanes_make_what_is_made_alone() {
+        let mut random = Random(31);
+        let triangles = triangles(&mut random);
+        let mut curved = 0;
+        for surface in Surface::ALL {
+            for straight in 0..8 {
+                let flags = (0..3).filter(|k| straight & 1 << k != 0);
+                let flags = flags.fold(PatchFlags::new(surface), PatchFlags::with_straight);
+                for level in [Level::new(), Level::baseline()] {
+                    let mut next = 0;
+                    Prepared::each_at(level, &triangles, flags, &mut |n, prepared| {
+                        assert_eq!(n, next);
+                        next += 1;
+                        let alone = Prepared::new(&triangles[n], flags);
+                        assert_eq!(bits(&prepared), bits(&alone), "{:?}", triangles[n]);
+                        curved += u32::from(prepared.record.kind() == PatchKind::Curved);
+                    });
+                    assert_eq!(next, triangles.len());
+                }
+            }
+        }
+        assert!(curved > 30_000, "{curved}");
+    }
+
+    #[test]
+    fn a_box_is_the_same_from_what_is_kept() {
+        let mut random = Random(32);
+        for triangle in triangles(&mut random) {
+            let prepared = Prepared::new(&triangle, PatchFlags::default());
+            let Corners { positions, normals } = triangle;
+            let patch = Patch::from_record(positions, normals, &prepared.record);
+            assert_eq!(
+                format!("{:?}", patch.bounds()),
+                format!("{:?}", prepared.bounds)
+            );
+        }
+    }
+}
