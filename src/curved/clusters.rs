@@ -148,21 +148,24 @@ impl Cluster {
     /// The box of all its triangles.
     pub fn bounds(&self) -> Bounds {
         let (corner, step) = (glam::Vec3::from(self.corner), glam::Vec3::from(self.step));
+        let upper = corner + step * STEPS;
         Bounds {
             lower: corner,
-            upper: corner + step * STEPS,
+            upper: upper.to_array().map(f32::next_up).into(),
         }
     }
 
-    /// Where a number of steps leads.
-    fn at(&self, axis: usize, steps: u8) -> f32 {
-        self.corner[axis] + self.step[axis] * f32::from(steps)
+    /// How far a number of steps leads. From the corner, not from the origin, whose distance may be
+    /// large against the box, and rounding with it.
+    fn way(&self, axis: usize, steps: u8) -> f32 {
+        self.step[axis] * f32::from(steps)
     }
 
     /// The greatest number of steps, but for rounding, that leads no further than this.
     fn step_below(&self, axis: usize, to: f32, per_step: f32) -> u8 {
-        let mut steps = ((to - self.corner[axis]) * per_step) as u8;
-        while steps > 0 && self.at(axis, steps) > to {
+        let way = to - self.corner[axis];
+        let mut steps = (way * per_step) as u8;
+        while steps > 0 && self.way(axis, steps) > way {
             steps -= 1;
         }
         steps
@@ -170,8 +173,9 @@ impl Cluster {
 
     /// The least number of steps, but for rounding, that leads as far as this.
     fn step_above(&self, axis: usize, to: f32, per_step: f32) -> u8 {
-        let mut steps = ((to - self.corner[axis]) * per_step) as u8;
-        while steps < u8::MAX && self.at(axis, steps) < to {
+        let way = to - self.corner[axis];
+        let mut steps = (way * per_step) as u8;
+        while steps < u8::MAX && self.way(axis, steps) < way {
             steps += 1;
         }
         steps
@@ -324,7 +328,7 @@ fn greater(a: f32, b: f32) -> f32 {
 /// reach the upper end whatever the rounding.
 fn step(lower: f32, upper: f32) -> f32 {
     let mut step = (upper - lower) / STEPS;
-    while lower + step * STEPS < upper {
+    while step * STEPS < upper - lower {
         step = step.next_up();
     }
     step.max(f32::MIN_POSITIVE)
@@ -365,8 +369,18 @@ mod tests {
                     seen.push(triangle);
                     let wanted = &boxes[triangle as usize];
                     for axis in 0..3 {
-                        assert!(cluster.at(axis, cluster.lower[axis][n]) <= wanted.lower[axis]);
-                        assert!(cluster.at(axis, cluster.upper[axis][n]) >= wanted.upper[axis]);
+                        // But for rounding of the box's size, which tests of rays make up for.
+                        let at = |steps: u8| {
+                            f64::from(cluster.corner[axis])
+                                + f64::from(cluster.step[axis]) * f64::from(steps)
+                        };
+                        let room = f64::from(cluster.step[axis] * STEPS * f32::EPSILON);
+                        let [lower, upper] =
+                            [wanted.lower[axis], wanted.upper[axis]].map(f64::from);
+                        assert!(at(cluster.lower[axis][n]) <= lower + room);
+                        assert!(at(cluster.upper[axis][n]) >= upper - room);
+                        assert!(cluster.bounds().lower[axis] <= wanted.lower[axis]);
+                        assert!(cluster.bounds().upper[axis] >= wanted.upper[axis]);
                     }
                 }
             }
