@@ -5,6 +5,7 @@ mod support;
 
 use curvetri::embree::{Device, Hit, QueryOptions, Ray, RayPacket, Traced, Width};
 use curvetri::render::{Form, Scene};
+use rayon::prelude::*;
 use support::{Body, Random, Tally};
 
 /// Share of rays from outside that must cross a closed body evenly and alternately.
@@ -43,14 +44,14 @@ fn crosses_evenly(ray: &Ray, hits: &[Hit]) -> bool {
 
 #[test]
 fn from_outside_all_hits_alternate_and_are_even_in_number() {
-    for body in support::closed_bodies() {
+    support::closed_bodies().par_iter().for_each(|body| {
         for form in forms() {
-            let scene = scene(&body, form);
+            let scene = scene(body, form);
             let mut random = Random(23);
             let mut odd = Tally::new();
             let mut hits = [const { Vec::new() }; 8];
             let mut most = 0;
-            for _ in 0..12_500 {
+            for _ in 0..6_250 {
                 let rays: [Ray; 8] = std::array::from_fn(|_| ray_from_outside(&scene, &mut random));
                 scene.all_hits(&RayPacket::<8>::from_rays(&rays), false, &mut hits);
                 for (ray, hits) in rays.iter().zip(&hits) {
@@ -66,7 +67,7 @@ fn from_outside_all_hits_alternate_and_are_even_in_number() {
                 body.name
             );
         }
-    }
+    });
 }
 
 /// All hits by packets of N, ray by ray.
