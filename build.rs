@@ -64,7 +64,6 @@ fn find() -> Result<Embree, String> {
             if !header.is_file() {
                 continue;
             }
-            println!("cargo::rerun-if-changed={}", header.display());
         }
         if let Some(embree) = probe(major, prefix.clone())? {
             return Ok(embree);
@@ -104,6 +103,10 @@ fn probe(major: u32, prefix: Option<PathBuf>) -> Result<Option<Embree>, String> 
             &words[at..]
         ));
     };
+    // so that another Embree in its place is noticed
+    if let Some(header) = header(&expanded, major) {
+        println!("cargo::rerun-if-changed={header}");
+    }
     let embree = Embree {
         major,
         version,
@@ -118,6 +121,17 @@ fn probe(major: u32, prefix: Option<PathBuf>) -> Result<Option<Embree>, String> 
         ));
     }
     Ok(Some(embree))
+}
+
+/// The file that the compiler's line markers (`# 1 "/usr/include/embree4/rtcore.h" 1`) name as Embree's.
+fn header(expanded: &str, major: u32) -> Option<&str> {
+    let mut markers = expanded.lines().filter(|line| line.starts_with("# "));
+    let ending = format!("embree{major}/rtcore.h");
+    markers.find_map(|line| {
+        line.split('"')
+            .nth(1)
+            .filter(|file| file.ends_with(&ending))
+    })
 }
 
 fn dotted(version: u32) -> String {
@@ -170,7 +184,6 @@ fn link(embree: &Embree) {
         println!("cargo::rustc-link-search=native={}", lib.display());
         println!("cargo::rustc-link-arg=-Wl,-rpath,{}", lib.display());
     }
-    println!("cargo::rustc-link-lib=dylib=embree{}", embree.major);
     println!("cargo::metadata=version={}", dotted(embree.version));
 }
 

@@ -51,6 +51,6 @@ if [ "${1:-}" = --contract ]; then
     cargo test --locked --target "$host" "${tests[@]}"
 else
     # little of it is arithmetic, so that compiling costs more than running
-    cargo test --locked --target "$host" --config profile.test.opt-level=1 "${tests[@]}" -- \
-        embree:: curved::
+    cargo test --locked --target "$host" --config profile.test.opt-level=1 --no-default-features \
+        "${tests[@]}" -- embree:: curved::
 fi

@@ -6,8 +6,8 @@
 #   ci/debian13.sh CMD [ARG...]      CMD in the chroot, at the checkout's own path
 #
 # CURVETRI_DEBIAN13   where the chroot lives     (default: ~/.cache/curvetri/debian13)
-# DEBIAN13_TARGET     cargo's target directory   (default: target-debian13 in the checkout; objects
-#                     linked against the newer glibc must not mix with the host's)
+# DEBIAN13_TARGET     cargo's target directory   (default: target-debian13 in the checkout; in one that the
+#                     host has filled, only what knows of Embree is compiled again)
 # DEBIAN_MIRROR       a Debian mirror            (default: the first one in the host's apt sources)
 #
 # The host's Rust toolchain (read-only) and cargo home are mounted into the chroot, in a mount

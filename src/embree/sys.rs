@@ -15,6 +15,12 @@ include!("bindings_3.rs");
 #[cfg(all(not(embree_bindgen), embree4))]
 include!("bindings_4.rs");
 
+// Here and not in the build script: the compiler starts anew when its options change, so that testing with
+// both versions of Embree would compile all twice.
+#[cfg_attr(embree3, link(name = "embree3"))]
+#[cfg_attr(embree4, link(name = "embree4"))]
+unsafe extern "C" {}
+
 /// `RTC_INVALID_GEOMETRY_ID`, a macro with a cast that bindgen leaves out.
 pub(crate) const INVALID_ID: u32 = u32::MAX;
 

@@ -362,26 +362,3 @@ pub fn lost_rays(traced: &Traced, count: usize) -> Tally {
     }
     tally
 }
-
-/// Rays from outside whose hits are not even in number, or not alternately front and back.
-pub fn odd_rays(traced: &Traced, count: usize) -> Tally {
-    let mut random = Random(11);
-    let mut tally = Tally::new();
-    let bounds = traced.scene.bounds();
-    let (centre, half) = (
-        (bounds.lower + bounds.upper) * 0.5,
-        (bounds.upper - bounds.lower) * 0.5,
-    );
-    for _ in 0..count {
-        let target = centre + half * random.in_cube();
-        let direction = random.direction();
-        let ray = Ray::new(target - direction * (half.length() * 3.0), direction);
-        let hits = all_hits(traced, &ray);
-        let alternate = hits
-            .iter()
-            .enumerate()
-            .all(|(n, hit)| (hit.ng.dot(direction) < 0.0) == (n % 2 == 0));
-        tally.add(ray, hits.len() % 2 == 1 || !alternate);
-    }
-    tally
-}
