@@ -123,10 +123,10 @@ fn probe(major: u32, prefix: Option<PathBuf>) -> Result<Option<Embree>, String> 
     Ok(Some(embree))
 }
 
-/// The file that the compiler's line markers (`# 1 "/usr/include/embree4/rtcore.h" 1`) name as Embree's.
+/// The file that the compiler's line markers (`# 1 "/usr/include/embree4/rtcore_config.h" 1`) name as Embree's.
 fn header(expanded: &str, major: u32) -> Option<&str> {
     let mut markers = expanded.lines().filter(|line| line.starts_with("# "));
-    let ending = format!("embree{major}/rtcore.h");
+    let ending = format!("embree{major}/rtcore_config.h");
     markers.find_map(|line| {
         line.split('"')
             .nth(1)
