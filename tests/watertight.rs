@@ -4,6 +4,7 @@
 mod support;
 
 use curvetri::curved::CurvedOptions;
+use rayon::prelude::*;
 use support::lost_rays;
 
 /// Rays a body: of the default form, and of the others.
@@ -20,7 +21,7 @@ const MAX_LOST: f64 = 2e-5;
 
 #[test]
 fn no_ray_from_inside_is_lost() {
-    for body in support::closed_bodies() {
+    support::closed_bodies().par_iter().for_each(|body| {
         for options in support::all_forms() {
             let traced = body.traced_with(&options);
             let lost = lost_rays(&traced, rays(&options));
@@ -35,5 +36,5 @@ fn no_ray_from_inside_is_lost() {
                 traced.name
             );
         }
-    }
+    });
 }

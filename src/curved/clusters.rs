@@ -1,12 +1,12 @@
 //! Neighbouring triangles as one Embree primitive: a tree a level or three lower, fewer callbacks, and
 //! the boxes of all its triangles in two cache lines, tested at once.
 
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, dispatch, prelude::*};
 use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::embree::{Bounds, Ray};
-use crate::surface::{MAX_LANES, RayLanes};
+use crate::surface::{MAX_LANES, RayLanes, inlined, load_lanes};
 
 /// Most triangles of a cluster.
 pub(super) const SIZE: usize = 8;
@@ -40,6 +40,15 @@ pub(super) struct Entries {
     pub met: u32,
     /// The parameters.
     at: [f32; SIZE],
+}
+
+/// Where the rays of a packet enter the boxes of a cluster.
+#[derive(Default)]
+pub(super) struct PacketEntries {
+    /// For each box the lanes that meet it, one bit each.
+    met: [u32; SIZE],
+    /// The parameters.
+    at: [[f32; MAX_LANES]; SIZE],
 }
 
 /// A triangle where its box's centre is, twice as far from the origin.
@@ -213,45 +222,48 @@ impl Cluster {
         }
     }
 
-    /// For each triangle the lanes, of those in `valid`, whose rays meet its box, one bit a lane.
-    pub fn lanes(&self, rays: &RayLanes<'_>, valid: u32) -> [u32; SIZE] {
-        dispatch!(Level::new(), simd => simd.vectorize(
-            #[inline(always)]
-            || self.lanes_of(rays, valid)
-        ))
+    /// For each triangle the lanes, of those in `valid`, whose rays meet its box.
+    pub fn packet_entries(&self, rays: &RayLanes<'_>, valid: u32) -> PacketEntries {
+        dispatch!(Level::new(), simd => self.packet_entries_by(simd, rays, valid))
     }
 
+    /// A register's lanes at a time.
     #[inline(always)]
-    fn lanes_of(&self, rays: &RayLanes<'_>, valid: u32) -> [u32; SIZE] {
-        let width = rays.tnear.len().min(MAX_LANES);
-        let mut ways = [[Way::default(); MAX_LANES]; 3];
-        for (axis, ways) in ways.iter_mut().enumerate() {
-            let (origin, direction) = (&rays.origin[axis][..width], &rays.direction[axis][..width]);
-            for lane in 0..width {
-                ways[lane] = Way::new(self, axis, origin[lane], direction[lane]);
-            }
-        }
-        let mut met = [0; SIZE];
-        for (n, met) in met.iter_mut().enumerate() {
-            if self.triangles[n] == NONE {
-                break;
-            }
-            let (mut from, mut to) = ([0.0; MAX_LANES], [-1.0; MAX_LANES]);
-            from[..width].copy_from_slice(&rays.tnear[..width]);
-            to[..width].copy_from_slice(&rays.tfar[..width]);
-            for (axis, ways) in ways.iter().enumerate() {
-                let (lower, upper) = (self.lower[axis][n], self.upper[axis][n]);
-                for lane in 0..MAX_LANES {
-                    let (near, far) = ways[lane].between(lower, upper);
-                    from[lane] = greater(from[lane], near);
-                    to[lane] = lesser(to[lane], far);
+    fn packet_entries_by<S: Simd>(
+        &self,
+        simd: S,
+        rays: &RayLanes<'_>,
+        valid: u32,
+    ) -> PacketEntries {
+        let mut entries = PacketEntries::default();
+        for first in (0..rays.tnear.len().min(MAX_LANES)).step_by(S::f32s::LEN) {
+            let way = inlined(
+                #[inline(always)]
+                |axis: usize| {
+                    let origin = load_lanes(simd, rays.origin[axis], first);
+                    let direction = load_lanes(simd, rays.direction[axis], first);
+                    Ways::<S>::new(self, axis, origin, direction)
+                },
+            );
+            let ways = [way(0), way(1), way(2)];
+            let tnear = load_lanes(simd, rays.tnear, first);
+            let tfar = load_lanes(simd, rays.tfar, first);
+            let valid = valid >> first;
+            for n in 0..SIZE {
+                if self.triangles[n] == NONE {
+                    break;
                 }
+                let (mut from, mut to) = (tnear, tfar);
+                for (axis, way) in ways.iter().enumerate() {
+                    let (near, far) = way.between(self.lower[axis][n], self.upper[axis][n]);
+                    (from, to) = (from.max(near), to.min(far));
+                }
+                let met = from.simd_le(to).to_bitmask() as u32 & valid;
+                entries.met[n] |= met << first;
+                from.store_slice(&mut entries.at[n][first..][..S::f32s::LEN]);
             }
-            let lanes =
-                (0..MAX_LANES).fold(0, |m, lane| m | u32::from(from[lane] <= to[lane]) << lane);
-            *met = lanes & valid;
         }
-        met
+        entries
     }
 }
 
@@ -276,6 +288,43 @@ impl Entries {
         self.met &= !(1 << nearest);
         Some(nearest)
     }
+}
+
+impl PacketEntries {
+    /// The place of the box that is entered first of those met, and the lanes of `valid` that enter it no
+    /// further away than their `tfar`; that box is met no more. None where nothing is left.
+    #[inline]
+    pub fn next(&mut self, tfar: &[f32], valid: u32) -> Option<(usize, u32)> {
+        while let Some(n) = self.nearest() {
+            let lanes = std::mem::take(&mut self.met[n]) & valid;
+            let lanes = lanes & not_beyond(&self.at[n], tfar);
+            if lanes != 0 {
+                return Some((n, lanes));
+            }
+        }
+        None
+    }
+
+    /// By the first lane that meets it: the rays of a packet run side by side, or else no order suits.
+    fn nearest(&self) -> Option<usize> {
+        let at = |n: usize| self.at[n][self.met[n].trailing_zeros() as usize];
+        let met = (0..SIZE).filter(|&n| self.met[n] != 0);
+        met.min_by(|&a, &b| at(a).total_cmp(&at(b)))
+    }
+}
+
+/// The lanes whose first value is at most the second, one bit each.
+fn not_beyond(at: &[f32; MAX_LANES], tfar: &[f32]) -> u32 {
+    #[inline(always)]
+    fn by<S: Simd>(simd: S, at: &[f32], tfar: &[f32]) -> u32 {
+        let mut lanes = 0;
+        for first in (0..tfar.len().min(MAX_LANES)).step_by(S::f32s::LEN) {
+            let (at, tfar) = (load_lanes(simd, at, first), load_lanes(simd, tfar, first));
+            lanes |= (at.simd_le(tfar).to_bitmask() as u32) << first;
+        }
+        lanes
+    }
+    dispatch!(Level::new(), simd => by(simd, at, tfar))
 }
 
 /// A ray's parameter along one axis of a cluster's box.
@@ -309,6 +358,37 @@ impl Way {
         let a = self.start + f32::from(lower) * self.step;
         let b = self.start + f32::from(upper) * self.step;
         (lesser(a, b) - self.room, greater(a, b) + self.room)
+    }
+}
+
+/// The same of a register's lanes.
+struct Ways<S: Simd> {
+    start: S::f32s,
+    step: S::f32s,
+    room: S::f32s,
+}
+
+impl<S: Simd> Ways<S> {
+    #[inline(always)]
+    fn new(cluster: &Cluster, axis: usize, origin: S::f32s, direction: S::f32s) -> Self {
+        let simd = origin.token();
+        let least = S::f32s::splat(simd, LEAST_DIRECTION);
+        let steep = direction.abs().simd_lt(least);
+        let inverse = S::f32s::splat(simd, 1.0) / steep.select(least, direction);
+        let first = S::f32s::splat(simd, cluster.corner[axis]) - origin;
+        let step = cluster.step[axis];
+        Self {
+            start: first * inverse,
+            step: inverse * step,
+            room: (first.abs() + step * STEPS) * inverse.abs() * ROUNDING,
+        }
+    }
+
+    #[inline(always)]
+    fn between(&self, lower: u8, upper: u8) -> (S::f32s, S::f32s) {
+        let a = self.start + self.step * f32::from(lower);
+        let b = self.start + self.step * f32::from(upper);
+        (a.min(b) - self.room, a.max(b) + self.room)
     }
 }
 
@@ -467,8 +547,15 @@ mod tests {
             tnear: &tnear,
             tfar: &tfar,
         };
-        for (n, lanes) in cluster.lanes(&rays, 0b1010).into_iter().enumerate() {
-            assert_eq!(lanes, if met & 1 << n != 0 { 0b1010 } else { 0 });
+        let mut entries = cluster.packet_entries(&rays, 0b1010);
+        let (mut seen, mut last) = (0, f32::NEG_INFINITY);
+        while let Some((n, lanes)) = entries.next(&tfar, 0b1011) {
+            assert_eq!(lanes, 0b1010);
+            assert!(entries.at[n][1] >= last);
+            (seen, last) = (seen | 1 << n, entries.at[n][1]);
         }
+        assert_eq!(seen, met);
+        let mut entries = cluster.packet_entries(&rays, u32::MAX);
+        assert_eq!(entries.next(&splat(f32::NEG_INFINITY), u32::MAX), None);
     }
 }

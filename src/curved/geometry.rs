@@ -90,13 +90,10 @@ impl CurvedMesh {
             }
             return;
         }
-        let met = cluster.lanes(&ray_lanes(query), query.valid());
-        for (n, lanes) in met.into_iter().enumerate() {
-            // Lanes that are occluded by now are valid no more.
-            let lanes = lanes & query.valid();
-            if lanes != 0 {
-                self.trace_triangle(query, cluster.triangle(n), lanes, normals, report);
-            }
+        let mut entries = cluster.packet_entries(&ray_lanes(query), query.valid());
+        // Lanes that are occluded by now are valid no more.
+        while let Some((n, lanes)) = entries.next(query.tfar(), query.valid()) {
+            self.trace_triangle(query, cluster.triangle(n), lanes, normals, report);
         }
     }
 

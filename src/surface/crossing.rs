@@ -4,7 +4,7 @@
 
 use super::patch::{Patch, next};
 use super::ray::Segment;
-use super::real::{Constant, Mask, Real, Scalar, each};
+use super::real::{Constant, Mask, Real, Scalar, each, inlined};
 
 /// Most evaluations; a ray that needs more is searched as one that is not steep.
 const MAX_STEPS: usize = 8;
@@ -67,10 +67,11 @@ impl<S: Scalar> Patch<S> {
         // c0 + c1 t + c2 t^2, of its two roots the one where it changes as the ray's height does.
         let zero = c0.constant(0.0);
         let rising = zero.less(segment.z_rate);
-        let [c0, c1, c2] = [c0, c1, c2].map(
+        let upward = inlined(
             #[inline(always)]
-            |c| V::select(rising, c, -c),
+            |c: V| V::select(rising, c, -c),
         );
+        let [c0, c1, c2] = [upward(c0), upward(c1), upward(c2)];
         let twice = c2 + c2;
         let slope = (c1 * c1 - (twice + twice) * c0).greater(zero).sqrt();
         let sum = c1 + slope;

@@ -162,10 +162,10 @@ fn single<S: Simd>(
         solver,
         #[inline(always)]
         |segment: Segment<Quad<S>>| {
-            let numbers = segment.numbers().map(
-                #[inline(always)]
-                |number| number.0[0],
-            );
+            let mut numbers = [0.0; SEGMENT_NUMBERS];
+            for (number, lanes) in numbers.iter_mut().zip(segment.numbers()) {
+                *number = lanes.0[0];
+            }
             search(simd, &patch, Segment::from_numbers(numbers, true), solver).in_lanes(like)
         },
     );
@@ -218,23 +218,23 @@ fn search_lanes<S: Simd>(
     while left != 0 {
         let lane = left.trailing_zeros() as usize;
         left &= left - 1;
-        let alone = Segment::from_numbers(columns.each_ref().map(|column| column[lane]), true);
-        let hit = search(simd, patch, alone, solver);
+        let mut numbers = [0.0; SEGMENT_NUMBERS];
+        for (number, column) in numbers.iter_mut().zip(&columns) {
+            *number = column[lane];
+        }
+        let hit = search(simd, patch, Segment::from_numbers(numbers, true), solver);
         evaluations += hit.evaluations;
         found |= u64::from(hit.found) << lane;
         for (column, value) in hits.iter_mut().zip([hit.t, hit.u, hit.v]) {
             column[lane] = value;
         }
     }
-    let [t, u, v] = hits.each_ref().map(
-        #[inline(always)]
-        |column| load(simd, column, 0),
-    );
+    let [t, u, v] = &hits;
     Hit {
         found: LaneMask(S::mask32s::from_bitmask(simd, found)),
-        t,
-        u,
-        v,
+        t: load(simd, t, 0),
+        u: load(simd, u, 0),
+        v: load(simd, v, 0),
         evaluations,
     }
 }
@@ -347,18 +347,23 @@ fn load_ray<S: Simd>(simd: S, rays: &RayLanes<'_>, first: usize) -> Ray<Lanes<S>
     }
 }
 
-/// A register's lanes from `first` on; zeros beyond the end.
 #[inline(always)]
 fn load<S: Simd>(simd: S, from: &[f32], first: usize) -> Lanes<S> {
+    Lanes(load_lanes(simd, from, first))
+}
+
+/// A register's lanes of a packet from `first` on; zeros beyond the end.
+#[inline(always)]
+pub(crate) fn load_lanes<S: Simd>(simd: S, from: &[f32], first: usize) -> S::f32s {
     let rest = &from[first..];
-    Lanes(match rest.get(..S::f32s::LEN) {
+    match rest.get(..S::f32s::LEN) {
         Some(lanes) => S::f32s::from_slice(simd, lanes),
         None => {
             let mut lanes = [0.0; MAX_LANES];
             lanes[..rest.len()].copy_from_slice(rest);
             S::f32s::from_slice(simd, &lanes[..S::f32s::LEN])
         }
-    })
+    }
 }
 
 #[inline(always)]

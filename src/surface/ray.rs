@@ -272,10 +272,11 @@ impl<V: Real> Segment<V> {
     where
         V: Scalar,
     {
-        let numbers = self.numbers().map(
-            #[inline(always)]
-            |number| like.splat(number),
-        );
+        // Not by `map`, which is not always inlined and then costs a lane more than its work.
+        let mut numbers = [like; SEGMENT_NUMBERS];
+        for (lanes, number) in numbers.iter_mut().zip(self.numbers()) {
+            *lanes = like.splat(number);
+        }
         Segment::from_numbers(numbers, like.mask(self.alive))
     }
 

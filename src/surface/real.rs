@@ -29,7 +29,7 @@ pub(super) fn each(mut call: impl FnMut(usize)) {
 /// The closure itself: the language takes the mark that a closure is to be inlined, which those on
 /// lanes need, only where it is an argument.
 #[inline(always)]
-pub(super) fn inlined<F>(closure: F) -> F {
+pub(crate) fn inlined<F>(closure: F) -> F {
     closure
 }
 
