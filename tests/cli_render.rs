@@ -285,3 +285,48 @@ fn a_mesh_far_from_the_origin_is_rendered_as_one_near_it() {
         .unwrap();
     assert!(apart <= 3, "pictures differ by {apart} of 255");
 }
+
+#[test]
+fn triangles_within_a_tolerance_in_pixels_stay_flat() {
+    let shop = Workshop::new();
+    let mesh = shop.path("fine.obj");
+    let ball = shop.sphere("ball.obj");
+    shop.succeeds(&["tessellate", &ball, "--level", "8", "-o", &mesh]);
+    let flat = |tolerance: &str, size: &str| {
+        let picture = shop.path("ball.png");
+        let args = [
+            "render",
+            &mesh,
+            "-o",
+            &picture,
+            "--samples",
+            "1",
+            "--json",
+            "--size",
+            size,
+            "--tolerance",
+            tolerance,
+        ];
+        let stats: serde_json::Value =
+            serde_json::from_str(&stdout(&shop.succeeds(&args))).unwrap();
+        stats["triangles"]["flat_tolerance"].as_u64().unwrap()
+    };
+    assert_eq!(flat("0px", "40x30"), 0);
+    let [coarse, fine] = ["40x30", "1200x900"].map(|size| flat("0.3px", size));
+    assert!(coarse > 100 && fine == 0, "{coarse} {fine}");
+    assert_eq!(flat("1000px", "40x30"), 4 * 8 * 8);
+    assert_eq!(flat("10", "40x30"), 4 * 8 * 8);
+    let [rays, hits] = ["x.npy", "x.npz"].map(|name| shop.path(name));
+    let args = [
+        "trace",
+        &mesh,
+        "--rays",
+        &rays,
+        "-o",
+        &hits,
+        "--tolerance",
+        "1px",
+    ];
+    let said = shop.fails(2, &args);
+    assert!(said.contains("`curvetri render`"), "{said}");
+}

@@ -16,10 +16,11 @@ const SIZE: [usize; 2] = [1000, 750];
 const SAMPLES: u32 = 16;
 
 /// The kinds' names, as the counts have them, and their colours.
-const LEGEND: [(&str, &str, [u8; 3]); 8] = [
+const LEGEND: [(&str, &str, [u8; 3]); 9] = [
     ("curved", "grey", [205, 205, 200]),
     ("fallback", "blue", [40, 110, 235]),
-    ("flat_asked", "yellow", [245, 220, 40]),
+    ("flat_plane", "cyan", [110, 215, 225]),
+    ("flat_tolerance", "yellow", [245, 220, 40]),
     ("flat_sliver", "magenta", [235, 60, 200]),
     ("flat_back_normal", "red", [225, 30, 25]),
     ("flat_bend", "orange", [250, 140, 20]),
@@ -69,12 +70,13 @@ fn colour(kind: PatchKind) -> Vec3 {
     let at = match kind {
         PatchKind::Curved => 0,
         PatchKind::Fallback => 1,
-        PatchKind::Flat(FlatReason::Asked) => 2,
-        PatchKind::Flat(FlatReason::Sliver) => 3,
-        PatchKind::Flat(FlatReason::BackNormal) => 4,
-        PatchKind::Flat(FlatReason::Bend) => 5,
-        PatchKind::Flat(FlatReason::Fold) => 6,
-        PatchKind::Degenerate => 7,
+        PatchKind::Flat(FlatReason::Plane) => 2,
+        PatchKind::Flat(FlatReason::Asked) => 3,
+        PatchKind::Flat(FlatReason::Sliver) => 4,
+        PatchKind::Flat(FlatReason::BackNormal) => 5,
+        PatchKind::Flat(FlatReason::Bend) => 6,
+        PatchKind::Flat(FlatReason::Fold) => 7,
+        PatchKind::Degenerate => 8,
     };
     let [r, g, b] = LEGEND[at].2.map(|part| (f32::from(part) / 255.0).powf(2.2));
     Vec3::new(r, g, b)

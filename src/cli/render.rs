@@ -88,7 +88,10 @@ enum Format {
 
 /// Runs the command.
 pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
-    let form = args.surface.form()?;
+    let form = match args.surface.tolerated_pixels() {
+        Some(_) => args.surface.form_within(0.0)?,
+        None => args.surface.form()?,
+    };
     let format = args.check(form)?;
     let device = device(args.threads)?;
     let (film, stats) = on_threads(args.threads, || {
@@ -101,6 +104,15 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
         let scene = Scene::new(&device, parts, form).context("cannot build the scene")?;
         bar.finish_and_clear();
         let picture = args.picture(&scene, &scenery)?;
+        let scene = match args.surface.tolerated_pixels() {
+            Some(pixels) => {
+                // What a pixel is on the meshes is known once they are in the picture.
+                let length = pixels * picture.least_pixel(scene.bounds()) / scene.greatest_scale();
+                let scene = scene.curved_anew(&device, args.surface.form_within(length)?);
+                scene.context("cannot build the scene")?
+            }
+            None => scene,
+        };
         let (film, mut stats) = traced(&scene, &picture, console)?;
         stats.times.load = load;
         match format {

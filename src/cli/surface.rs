@@ -10,7 +10,8 @@ use curvetri::render::Form;
 use curvetri::surface::{BoundsKind, Solver, Surface};
 
 use super::console::Console;
-use super::{usage, values};
+use super::usage;
+use super::values::{self, Tolerance};
 
 #[derive(Args)]
 #[command(next_help_heading = "Surface")]
@@ -44,6 +45,11 @@ pub struct SurfaceArgs {
     /// with --solver ita: 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
     ita_step: Option<u32>,
+
+    /// Keep triangles flat whose surface lies no further than this from them: a length in the mesh's
+    /// units, or for `render` also in pixels, as in 0.05px [default: 0]
+    #[arg(long, value_name = "LENGTH", value_parser = values::tolerance)]
+    tolerance: Option<Tolerance>,
 
     /// Where normals are missing, faces that meet at a greater angle than this make a hard edge
     #[arg(long, value_name = "DEGREES", default_value = "30", value_parser = values::crease)]
@@ -109,8 +115,27 @@ enum SurfaceChoice {
 }
 
 impl SurfaceArgs {
-    /// What the triangles stand for.
+    /// What the triangles stand for, where there is no camera.
     pub fn form(&self) -> Result<Form> {
+        match self.tolerance {
+            Some(Tolerance::Pixels(_)) => {
+                usage("--tolerance in pixels is for `curvetri render`, which has a camera")
+            }
+            Some(Tolerance::Length(length)) => self.form_within(length),
+            None => self.form_within(0.0),
+        }
+    }
+
+    /// The tolerance, where it is in pixels.
+    pub fn tolerated_pixels(&self) -> Option<f32> {
+        match self.tolerance {
+            Some(Tolerance::Pixels(pixels)) => Some(pixels),
+            _ => None,
+        }
+    }
+
+    /// The same with this length as the tolerance.
+    pub fn form_within(&self, tolerance: f32) -> Result<Form> {
         let preset = match self.method {
             MethodChoice::Default => CurvedOptions::default(),
             MethodChoice::Paper => CurvedOptions::paper(),
@@ -137,6 +162,7 @@ impl SurfaceArgs {
             bounds,
             primitives,
             solver: self.solver(preset.solver)?,
+            tolerance,
             ..preset
         }))
     }
@@ -149,6 +175,7 @@ impl SurfaceArgs {
             ("--solver", self.solver.is_some()),
             ("--ita-bits", self.ita_bits.is_some()),
             ("--ita-step", self.ita_step.is_some()),
+            ("--tolerance", self.tolerance.is_some()),
         ];
         match given.into_iter().find(|(_, given)| *given) {
             None => Ok(Form::Flat),

@@ -130,6 +130,30 @@ pub fn crease(text: &str) -> Result<f32, String> {
     }
 }
 
+/// How far a curved surface may lie from what is traced in its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tolerance {
+    /// In the mesh's units.
+    Length(f32),
+    /// In pixels of the picture.
+    Pixels(f32),
+}
+
+/// A tolerance: a length, or pixels.
+pub fn tolerance(text: &str) -> Result<Tolerance, String> {
+    let (amount, of): (_, fn(f32) -> Tolerance) = match text.trim().strip_suffix("px") {
+        Some(pixels) => (pixels, Tolerance::Pixels),
+        None => (text, Tolerance::Length),
+    };
+    let form = "a tolerance is a length, or pixels as in 0.05px; 0 or more";
+    let amount = number(amount).map_err(|_| form)? as f32;
+    if amount >= 0.0 && amount.is_finite() {
+        Ok(of(amount))
+    } else {
+        Err(form.into())
+    }
+}
+
 /// A share, 0 to 1.
 pub fn share(text: &str) -> Result<f32, String> {
     let share = number(text)?;

@@ -11,8 +11,10 @@ pub struct Kinds {
     pub curved: usize,
     /// Curved by the angular rule, the curvature tensor being too wild.
     pub fallback: usize,
-    /// Flat because they were told to be.
-    pub flat_asked: usize,
+    /// Flat because their surface lies in their plane anyway, to within rounding.
+    pub flat_plane: usize,
+    /// Flat because that is within the [tolerance](super::CurvedOptions::tolerance), or because all are.
+    pub flat_tolerance: usize,
     /// Flat because too thin for a certain plane.
     pub flat_sliver: usize,
     /// Flat because a vertex normal points away from the triangle's side, or nearly so.
@@ -32,7 +34,8 @@ impl Kinds {
         *match kind {
             PatchKind::Curved => &mut kinds.curved,
             PatchKind::Fallback => &mut kinds.fallback,
-            PatchKind::Flat(FlatReason::Asked) => &mut kinds.flat_asked,
+            PatchKind::Flat(FlatReason::Plane) => &mut kinds.flat_plane,
+            PatchKind::Flat(FlatReason::Asked) => &mut kinds.flat_tolerance,
             PatchKind::Flat(FlatReason::Sliver) => &mut kinds.flat_sliver,
             PatchKind::Flat(FlatReason::BackNormal) => &mut kinds.flat_back_normal,
             PatchKind::Flat(FlatReason::Bend) => &mut kinds.flat_bend,
@@ -43,11 +46,12 @@ impl Kinds {
     }
 
     /// The counts with their names, in the order they are reported.
-    pub fn named(&self) -> [(&'static str, usize); 8] {
+    pub fn named(&self) -> [(&'static str, usize); 9] {
         [
             ("curved", self.curved),
             ("fallback", self.fallback),
-            ("flat_asked", self.flat_asked),
+            ("flat_plane", self.flat_plane),
+            ("flat_tolerance", self.flat_tolerance),
             ("flat_sliver", self.flat_sliver),
             ("flat_back_normal", self.flat_back_normal),
             ("flat_bend", self.flat_bend),
@@ -58,7 +62,7 @@ impl Kinds {
 
     /// Triangles that stay flat, whatever the reason, without the degenerate ones.
     pub fn flat(&self) -> usize {
-        self.flat_asked + self.flat_sliver + self.flat_back_normal + self.flat_bend + self.flat_fold
+        self.total() - self.curved - self.fallback - self.degenerate
     }
 
     /// All triangles.
@@ -73,7 +77,8 @@ impl Add for Kinds {
         Self {
             curved: self.curved + other.curved,
             fallback: self.fallback + other.fallback,
-            flat_asked: self.flat_asked + other.flat_asked,
+            flat_plane: self.flat_plane + other.flat_plane,
+            flat_tolerance: self.flat_tolerance + other.flat_tolerance,
             flat_sliver: self.flat_sliver + other.flat_sliver,
             flat_back_normal: self.flat_back_normal + other.flat_back_normal,
             flat_bend: self.flat_bend + other.flat_bend,
@@ -92,6 +97,7 @@ mod tests {
         let kinds = [
             PatchKind::Curved,
             PatchKind::Fallback,
+            PatchKind::Flat(FlatReason::Plane),
             PatchKind::Flat(FlatReason::Asked),
             PatchKind::Flat(FlatReason::Sliver),
             PatchKind::Flat(FlatReason::BackNormal),
@@ -104,6 +110,6 @@ mod tests {
             .map(Kinds::of)
             .fold(Kinds::default(), Kinds::add);
         assert!(sum.named().iter().all(|&(_, count)| count == 1), "{sum:?}");
-        assert_eq!((sum.total(), sum.flat()), (8, 5));
+        assert_eq!((sum.total(), sum.flat()), (9, 6));
     }
 }

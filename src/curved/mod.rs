@@ -48,6 +48,11 @@ pub struct CurvedOptions {
     pub primitives: Primitives,
     /// What bounds a triangle's box and a ray's way over it.
     pub bounds: BoundsKind,
+    /// Triangles whose surface lies no further than this from their plane stay flat, with straight sides
+    /// towards their neighbours; in the mesh's units, 0 for none but those whose surface lies in the plane
+    /// to within rounding. Flat triangles are traced faster, and cuts in the shading show sooner than a
+    /// height: a hundredth of a pixel is about what goes unseen.
+    pub tolerance: f32,
     /// Every triangle as the paper has it, from its own vertices alone: also where its guide field
     /// folds over or bends too much for the method's guarantees, and with curved sides also at hard
     /// edges and towards flat triangles. For measuring the method itself: rays may slip through
@@ -71,6 +76,7 @@ impl CurvedOptions {
             solver: Solver::ITA,
             bounds: BoundsKind::Sphere,
             primitives: Primitives::Triangles,
+            tolerance: 0.0,
             unchecked: false,
         }
     }

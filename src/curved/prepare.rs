@@ -13,6 +13,9 @@ use crate::surface::{BoundsKind, PatchFlags, PatchKind, PatchRecord, Prepared};
 /// Triangles that are made together, such that those with the same flags fill the lanes.
 const TOGETHER: usize = 512;
 
+/// A surface no higher than this, in units of the patch's size, is its plane but for rounding.
+const PLANE_HEIGHT: f32 = 8.0 * f32::EPSILON;
+
 /// What is kept of each triangle, and what is needed of it until the mesh is grouped.
 pub(super) struct PreparedMesh {
     pub records: Vec<PatchRecord>,
@@ -58,11 +61,34 @@ fn make(
                 *flags = flags_of(topology, first + place, options);
             }
             make_some(mesh, first, &flags[..records.len()], |place, prepared| {
+                let prepared = if options.unchecked {
+                    prepared
+                } else {
+                    flattened(prepared, mesh, first + place, options.tolerance)
+                };
                 records[place] = prepared.record;
                 bounds[place] = bounds_of(&prepared);
             });
         });
     (records, bounds)
+}
+
+/// The triangle made flat where its surface lies in its plane anyway or is within the tolerance of it.
+fn flattened(prepared: Prepared, mesh: &Mesh, triangle: usize, tolerance: f32) -> Prepared {
+    let Some(height) = prepared.greatest_height() else {
+        return prepared;
+    };
+    let flags = prepared.record.flags();
+    if height <= PLANE_HEIGHT {
+        return Prepared::new(&corners(mesh, triangle), flags.with_plane());
+    }
+    if tolerance > 0.0 {
+        let corners = corners(mesh, triangle);
+        if height * corners.size() <= tolerance {
+            return Prepared::new(&corners, flags.with_flat());
+        }
+    }
+    prepared
 }
 
 /// The triangles from the first on, as many as there are flags.
@@ -136,7 +162,11 @@ fn straighten_neighbours(
 ) {
     let mut flat: Vec<u32> = (0..records.len() as u32)
         .into_par_iter()
-        .filter(|&triangle| is_plane(&records[triangle as usize]))
+        .filter(|&triangle| {
+            let record = &records[triangle as usize];
+            // sides of what lies in its plane anyway are straight enough as they are
+            is_plane(record) && !record.flags().is_plane()
+        })
         .collect();
     while let Some(triangle) = flat.pop() {
         for neighbour in topology.neighbours(triangle as usize) {

@@ -101,6 +101,9 @@ pub struct Hits<const N: usize> {
     inst_prim_id: [[u32; N]; LEVELS],
 }
 
+/// What Embree divides by where a direction's component is less.
+const LEAST_DIVISOR: f32 = 1e-18;
+
 /// How many arrays the rays and the hits are.
 const FIELDS: usize = 12 + HIT_FIELDS;
 
@@ -279,6 +282,20 @@ impl<const N: usize> RayPacket<N> {
             lanes |= u32::from(good) << lane;
         }
         lanes & self.active.0
+    }
+
+    /// Whether a ray's direction has a component that is negative, but nearer to zero than
+    /// [`LEAST_DIVISOR`]. Embree takes such a one for positive when it divides by it, but for negative when
+    /// it sorts a coherent packet's rays by where they lead: other rays of the packet lose hits then.
+    pub(super) fn leads_hardly_back(&self) -> bool {
+        let rays = &self.rays;
+        let mut any = false;
+        for component in [&rays.dir_x, &rays.dir_y, &rays.dir_z] {
+            for &along in component {
+                any |= (along < 0.0) & (along > -LEAST_DIVISOR);
+            }
+        }
+        any
     }
 
     /// `M` lanes from `first` on as a packet of their own, of which `lanes` are to be traced.

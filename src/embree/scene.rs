@@ -324,7 +324,7 @@ impl Scene {
             return 0;
         }
         let query = sys::CurvetriQuery {
-            coherent: u32::from(options.coherent),
+            coherent: u32::from(options.coherent && !packet.leads_hardly_back()),
             filter: options.filter.map(|_| query_filter as _),
         };
         run(options.filter, || match widest {

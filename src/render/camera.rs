@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 use thiserror::Error;
 
 use crate::embree::Ray;
+use crate::mesh::Bounds;
 
 /// Which axis points up in the meshes' space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,6 +64,16 @@ pub enum CameraError {
 }
 
 impl Camera {
+    /// The least size of a pixel on what is within a box, in the space's units; 0 if the camera may be
+    /// within. For a picture of so many pixels.
+    pub fn least_pixel(&self, bounds: &Bounds, width: usize, height: usize) -> f64 {
+        let distance = self.eye.distance(self.eye.clamp(bounds.min, bounds.max));
+        let pixel = 2.0 * (0.5 * self.fov_degrees).to_radians().tan() / height as f64;
+        // A pixel grows with the way straight ahead, which is least in the picture's corners.
+        let corner = 0.5 * pixel * (width as f64).hypot(height as f64);
+        pixel * distance / corner.hypot(1.0)
+    }
+
     /// Prepares the camera for a picture's size, in the space relative to `origin`.
     ///
     /// # Errors

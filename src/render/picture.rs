@@ -7,6 +7,7 @@ use super::camera::{Camera, UpAxis};
 use super::light::Lighting;
 use super::scene::Scene;
 use super::shading::Shading;
+use crate::mesh::Bounds;
 
 /// What to render of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +38,14 @@ pub struct Picture {
     pub ground: Ground,
     /// Whether the sky is seen where nothing else is: such pixels are covered.
     pub show_sky: bool,
+}
+
+impl Picture {
+    /// The least size of one of its pixels on what is within a box, in the user's units; see
+    /// [`Camera::least_pixel`].
+    pub fn least_pixel(&self, bounds: &Bounds) -> f32 {
+        self.camera.least_pixel(bounds, self.width, self.height) as f32
+    }
 }
 
 /// A part of a picture, in pixels from its upper left corner.

@@ -68,6 +68,13 @@ impl Instance {
         }
     }
 
+    /// What the transform makes longer than all else, by how much: no less than that.
+    pub fn greatest_scale(&self) -> f32 {
+        let [x, y, z] = [glam::Vec3A::X, glam::Vec3A::Y, glam::Vec3A::Z];
+        let axes = [x, y, z].map(|axis| self.to_scene.transform_vector3a(axis).length_squared());
+        axes.iter().sum::<f32>().sqrt()
+    }
+
     /// The transform's inverse, transposed, on a normal: it stays on its side of the surface, also
     /// where the transform mirrors.
     fn covector(&self, normal: Vec3) -> Vec3 {

@@ -124,6 +124,49 @@ impl Scene {
         })
     }
 
+    /// The same meshes at the same places in another form, without filters.
+    ///
+    /// # Errors
+    /// If there is not enough memory.
+    pub fn curved_anew(self, device: &Device, form: Form) -> Result<Self, SceneError> {
+        let start = Instant::now();
+        let Self {
+            shapes,
+            places,
+            tree,
+            ..
+        } = self;
+        drop(tree); // the memory is for the new one
+        let shapes: Vec<Shape> = shapes
+            .into_iter()
+            .map(|shape| Shape::new(shape.into_mesh(), form))
+            .collect();
+        let curved = Instant::now();
+        let tree = build_tree(device, &shapes, &places, false)?;
+        Ok(Self {
+            shapes,
+            places,
+            tree,
+            times: Times {
+                curve: self.times.curve + (curved - start),
+                build: self.times.build + curved.elapsed(),
+                ..self.times
+            },
+            ..self
+        })
+    }
+
+    /// By how much the largest of the placements enlarges its mesh, at the most; 1 where all are in place.
+    pub fn greatest_scale(&self) -> f32 {
+        let scale = |place: &Place| {
+            place
+                .instance
+                .as_ref()
+                .map_or(1.0, Instance::greatest_scale)
+        };
+        self.places.iter().map(scale).fold(0.0, f32::max)
+    }
+
     /// What rays and hits are relative to, in the user's space.
     pub fn origin(&self) -> DVec3 {
         self.origin
@@ -255,6 +298,13 @@ impl Shape {
         .commit()
     }
 
+    fn into_mesh(self) -> Arc<Mesh> {
+        match self {
+            Self::Flat(mesh) => mesh,
+            Self::Curved(mesh) => mesh.mesh().clone(),
+        }
+    }
+
     /// The mesh.
     pub fn mesh(&self) -> &Mesh {
         match self {
@@ -267,7 +317,7 @@ impl Shape {
     pub fn kinds(&self) -> Kinds {
         match self {
             Self::Flat(mesh) => Kinds {
-                flat_asked: mesh.triangles().len(),
+                flat_tolerance: mesh.triangles().len(),
                 ..Kinds::default()
             },
             Self::Curved(mesh) => *mesh.kinds(),

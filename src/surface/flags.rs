@@ -71,6 +71,7 @@ impl PatchFlags {
     const SURFACE_SHIFT: u16 = 4;
     const UNCHECKED: u16 = 1 << 6;
     const SPHERE: u16 = 1 << 7;
+    const PLANE: u16 = 1 << 8;
 
     /// All sides curved.
     pub const fn new(surface: Surface) -> Self {
@@ -90,6 +91,11 @@ impl PatchFlags {
     #[must_use]
     pub const fn with_flat(self) -> Self {
         Self(self.0 | Self::FLAT)
+    }
+    /// The whole triangle stays in its plane, where its surface lies anyway.
+    #[must_use]
+    pub const fn with_plane(self) -> Self {
+        Self(self.0 | Self::FLAT | Self::PLANE)
     }
     /// Curved even where the guide field folds over or guides may miss the spheres, as the paper
     /// has it: for measuring the method's own error on cuts too coarse for it. A folded patch has
@@ -113,6 +119,10 @@ impl PatchFlags {
     /// Whether the triangle was told to stay flat.
     pub const fn is_flat(self) -> bool {
         self.0 & Self::FLAT != 0
+    }
+    /// Whether that is because its surface lies in its plane anyway.
+    pub const fn is_plane(self) -> bool {
+        self.0 & Self::PLANE != 0
     }
     /// Whether the checks for folds and bends are left out.
     pub const fn is_unchecked(self) -> bool {
@@ -151,6 +161,8 @@ mod tests {
             );
             assert!(!flags.is_flat() && flags.with_flat().is_flat());
             assert_eq!(flags.with_flat().surface(), surface);
+            let plane = flags.with_plane();
+            assert!(plane.is_flat() && plane.is_plane() && !flags.with_flat().is_plane());
             let round = flags.with_bounds(BoundsKind::Sphere);
             assert_eq!((round.surface(), round.is_flat()), (surface, false));
             assert_eq!(round.bounds(), BoundsKind::Sphere);

@@ -1,5 +1,6 @@
 //! A triangle as a mesh keeps it: what rays are traced against, laid out anew for each.
 
+use super::frame::Frame;
 use super::outline::Outline;
 use super::patch::Patch;
 use super::ray::{Ray, beyond};
@@ -13,6 +14,14 @@ pub struct Corners {
     pub positions: [Vector<f32>; 3],
     /// Their normals, unit.
     pub normals: [Vector<f32>; 3],
+}
+
+impl Corners {
+    /// The unit of length of the patch over them: a power of two, at most the longest side; 1 where there
+    /// is no patch.
+    pub fn size(&self) -> f32 {
+        Frame::new(&self.positions, &self.normals).map_or(1.0, |frame| frame.size)
+    }
 }
 
 /// A curved triangle's vertices and its record: all that is kept of a patch.

@@ -27,6 +27,8 @@ const MIN_NORMAL_COSINE: f64 = 0.1;
 pub enum FlatReason {
     /// It was told to.
     Asked,
+    /// Its surface lies in its plane anyway, to within rounding.
+    Plane,
     /// So thin that its plane is uncertain.
     Sliver,
     /// A vertex normal points away from the plane's normal, or nearly so.
@@ -261,7 +263,9 @@ impl<S: Scalar> Patch<S> {
 
     /// Why the triangle has to be flat whatever it would be curved to.
     fn flat_reason(&self, normals: &[Vector<S>; 3], flags: PatchFlags) -> Option<FlatReason> {
-        if flags.is_flat() {
+        if flags.is_plane() {
+            Some(FlatReason::Plane)
+        } else if flags.is_flat() {
             Some(FlatReason::Asked)
         } else if self.area2 < S::from_f64(SLIVER_AREA) {
             Some(FlatReason::Sliver)

@@ -35,6 +35,13 @@ impl Prepared {
         Self { record, bounds }
     }
 
+    /// How far the surface may lie off the triangle's plane at the most, in units of the patch's
+    /// [size](Corners::size); none where there is no curved surface.
+    pub fn greatest_height(&self) -> Option<f32> {
+        let [least, most] = self.record.slab::<f32>()?;
+        Some(most.max(-least))
+    }
+
     /// Triangles with the same flags, each of which is handed on with its place in the list.
     pub fn each(triangles: &[Corners], flags: PatchFlags, mut take: impl FnMut(usize, Self)) {
         Self::each_at(Level::new(), triangles, flags, &mut take);

@@ -30,7 +30,7 @@ const _: () = assert!(
 );
 
 /// Every kind; a record holds the place in this list.
-const KINDS: [PatchKind; 8] = [
+const KINDS: [PatchKind; 9] = [
     PatchKind::Curved,
     PatchKind::Fallback,
     PatchKind::Degenerate,
@@ -39,6 +39,7 @@ const KINDS: [PatchKind; 8] = [
     PatchKind::Flat(FlatReason::BackNormal),
     PatchKind::Flat(FlatReason::Bend),
     PatchKind::Flat(FlatReason::Fold),
+    PatchKind::Flat(FlatReason::Plane),
 ];
 
 /// Binary digits of the greatest coefficient.

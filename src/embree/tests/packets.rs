@@ -187,3 +187,45 @@ fn rays_see_geometries_with_a_common_bit() {
         check_masks::<16>(&device);
     }
 }
+
+#[test]
+fn a_ray_that_leads_hardly_back_takes_no_hits_from_others_of_a_coherent_packet() {
+    for device in devices() {
+        let scene = sphere_scene(&device, many(200, 3));
+        for tiny in [-1e-17, -1e-18, -9e-19, -1e-30, -1e-40, -0.0, 0.0, 1e-30] {
+            let mut rays = random_rays(2000, 4);
+            for (n, ray) in rays.iter_mut().enumerate().step_by(5) {
+                ray.direction[n % 3] = tiny;
+            }
+            let single = hits::<1>(&scene, &rays, &QueryOptions::INCOHERENT);
+            let met = |hits: &[Option<Hit>]| {
+                hits.iter()
+                    .map(|hit| hit.map(|hit| hit.prim_id))
+                    .collect::<Vec<_>>()
+            };
+            let expected = met(&single);
+            assert_eq!(
+                met(&hits::<4>(&scene, &rays, &QueryOptions::COHERENT)),
+                expected,
+                "{tiny:e}"
+            );
+            assert_eq!(
+                met(&hits::<8>(&scene, &rays, &QueryOptions::COHERENT)),
+                expected,
+                "{tiny:e}"
+            );
+            assert_eq!(
+                met(&hits::<16>(&scene, &rays, &QueryOptions::COHERENT)),
+                expected,
+                "{tiny:e}"
+            );
+            let shadows = shadows::<16>(&scene, &rays, &QueryOptions::COHERENT);
+            assert!(
+                shadows
+                    .iter()
+                    .zip(&single)
+                    .all(|(&shadow, hit)| shadow == hit.is_some())
+            );
+        }
+    }
+}

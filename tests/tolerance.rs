@@ -1,0 +1,115 @@
+//! Triangles that stay flat because their surface is, or is within the tolerance.
+
+mod support;
+
+use curvetri::bodies;
+use curvetri::curved::{CurvedMesh, CurvedOptions};
+use curvetri::surface::PatchKind;
+use support::{Body, Random, first_hit, lost_rays};
+
+fn options(tolerance: f32) -> CurvedOptions {
+    CurvedOptions {
+        tolerance,
+        ..CurvedOptions::default()
+    }
+}
+
+fn body(name: &str, mesh: curvetri::mesh::Mesh) -> Body {
+    Body {
+        name: name.to_owned(),
+        mesh: mesh.into(),
+    }
+}
+
+/// The greatest height of any triangle's surface over its plane.
+fn greatest_height(curved: &CurvedMesh) -> f32 {
+    let count = curved.mesh().triangles().len() as u32;
+    let heights = (0..count).map(|n| curved.patch(n).heights());
+    heights.fold(0.0, |most, [lower, upper]| most.max(-lower).max(upper))
+}
+
+#[test]
+fn the_caps_of_a_cylinder_are_flat_and_its_wall_is_not() {
+    let segments = 16;
+    let traced =
+        body("cylinder", bodies::capped_cylinder(segments, 1.5)).traced_with(&options(0.0));
+    let kinds = traced.curved.kinds();
+    assert!(kinds.flat_plane >= 2 * (segments - 2), "{kinds:?}");
+    assert!(kinds.curved >= 2 * segments, "{kinds:?}");
+    assert_eq!(kinds.flat_tolerance, 0);
+    for n in 0..traced.curved.mesh().triangles().len() as u32 {
+        let p = traced.curved.mesh().triangle_positions(n as usize);
+        let level = p[0].z == p[1].z && p[1].z == p[2].z;
+        let flat = matches!(traced.curved.kind(n), PatchKind::Flat(_));
+        assert_eq!(level, flat, "triangle {n} {p:?} {kinds:?}");
+    }
+}
+
+#[test]
+fn no_ray_is_lost_where_some_triangles_are_flat_by_tolerance() {
+    for body in support::made_bodies() {
+        let most = greatest_height(&body.traced_with(&options(0.0)).curved);
+        let mut seen = 0;
+        for share in [0.03, 0.3] {
+            let traced = body.traced_with(&options(share * most));
+            let lost = lost_rays(&traced, 20_000);
+            seen += traced.curved.kinds().flat_tolerance;
+            println!(
+                "{} {share}: {lost:?} {:?}",
+                body.name,
+                traced.curved.kinds()
+            );
+            assert!(lost.share() <= 5e-5, "{} {share}: {lost:?}", body.name);
+        }
+        println!("{}: {seen}", body.name);
+    }
+}
+
+#[test]
+fn what_is_hit_is_as_near_as_the_tolerance() {
+    let body = body("bumpy torus", bodies::bumpy_torus(5_000));
+    let exact = body.traced_with(&options(0.0));
+    let tolerance = 0.2 * greatest_height(&exact.curved);
+    let flattened = body.traced_with(&options(tolerance));
+    let kinds = flattened.curved.kinds();
+    assert!(
+        kinds.flat_tolerance > 500 && kinds.curved > 500,
+        "{kinds:?}"
+    );
+    let mut random = Random(5);
+    let (mut met, mut furthest) = (0, 0.0f32);
+    for _ in 0..20_000 {
+        let target = glam::Vec3::from_array(std::array::from_fn(|_| random.unit() * 2.0 - 1.0));
+        let direction = random.direction();
+        let ray = curvetri::embree::Ray::new(target - 5.0 * direction, direction);
+        let (Some(a), Some(b)) = (
+            first_hit(&exact.scene, &ray),
+            first_hit(&flattened.scene, &ray),
+        ) else {
+            continue;
+        };
+        // along the normal, where the ray does not graze
+        let slope = a.ng.normalize().dot(direction).abs();
+        if slope > 0.5 {
+            met += 1;
+            furthest = furthest.max((a.t - b.t).abs() * slope);
+        }
+    }
+    assert!(met > 1000, "{met}");
+    // a triangle that stays curved between flat ones bends less than by itself
+    assert!(furthest <= 3.0 * tolerance, "{furthest} of {tolerance}");
+    assert!(furthest > 0.1 * tolerance, "{furthest} of {tolerance}");
+}
+
+#[test]
+fn all_is_flat_within_a_great_tolerance() {
+    let body = body("torus", bodies::Body::torus(12, 16).mesh());
+    let traced = body.traced_with(&options(f32::INFINITY));
+    let kinds = traced.curved.kinds();
+    assert_eq!(
+        kinds.flat_tolerance,
+        body.mesh.triangles().len(),
+        "{kinds:?}"
+    );
+    assert_eq!(greatest_height(&traced.curved), 0.0);
+}
