@@ -24,7 +24,7 @@ const RAYS: usize = 16;
 /// | bytes | meaning |
 /// |---|---|
 /// | 1 | the surface |
-/// | 1 | bits: 0 ITA, 1 unchecked, 2 single precision, 3 robust, 4 stored normals, 5 spheres, 6 triangles |
+/// | 1 | bits: 0 ITA, 1 unchecked, 2 single precision, 3 robust, 4 stored normals, 5 spheres, 6 triangles, 7 a tolerance |
 /// | 1 | the crease angle in degrees |
 /// | 1, 1 | how many vertices and triangles |
 /// | 4 or 8 each | coordinates of the positions |
@@ -101,6 +101,7 @@ impl Options {
                     true => Primitives::Triangles,
                     false => Primitives::Clusters,
                 },
+                tolerance: if bit(7) { 0.01 } else { 0.0 },
                 unchecked: bit(1),
             },
             load: LoadOptions {

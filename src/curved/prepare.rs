@@ -13,8 +13,9 @@ use crate::surface::{BoundsKind, PatchFlags, PatchKind, PatchRecord, Prepared};
 /// Triangles that are made together, such that those with the same flags fill the lanes.
 const TOGETHER: usize = 512;
 
-/// A surface no higher than this, in units of the patch's size, is its plane but for rounding.
-const PLANE_HEIGHT: f32 = 8.0 * f32::EPSILON;
+/// A surface with a slab no higher than this, in units of the patch's size, is its plane but for rounding:
+/// 8 epsilons, and the 32 that every slab has as room.
+const PLANE_HEIGHT: f32 = 40.0 * f32::EPSILON;
 
 /// What is kept of each triangle, and what is needed of it until the mesh is grouped.
 pub(super) struct PreparedMesh {

@@ -50,10 +50,11 @@ impl CurvedMesh {
         if indices > MAX_INDICES {
             return Err(MeshError::TooManyIndices { indices });
         }
-        let lattices = self.lattices(level);
+        let topology = Topology::new(&self.mesh);
+        let lattices = self.lattices(&topology, level);
         let (positions, normals): (Vec<Vec3>, Vec<Vec3>) = (0..coarse.len())
             .into_par_iter()
-            .flat_map_iter(|triangle| self.own_vertices(&lattices, triangle))
+            .flat_map_iter(|triangle| self.own_vertices(&topology, &lattices, triangle))
             .unzip();
         let triangles = (0..coarse.len())
             .into_par_iter()
@@ -69,12 +70,11 @@ impl CurvedMesh {
     }
 
     /// Numbers the vertices.
-    fn lattices(&self, level: u32) -> Lattices {
-        let topology = Topology::new(&self.mesh);
+    fn lattices(&self, topology: &Topology, level: u32) -> Lattices {
         let triangles = self.mesh.triangles().to_vec();
         let owned: Vec<[bool; 3]> = (0..triangles.len())
             .into_par_iter()
-            .map(|triangle| [0, 1, 2].map(|k| self.owner(&topology, triangle, k).is_none()))
+            .map(|triangle| [0, 1, 2].map(|k| self.owner(topology, triangle, k).is_none()))
             .collect();
         let within_side = level - 1;
         let within = within_side * level.saturating_sub(2) / 2;
@@ -93,7 +93,7 @@ impl CurvedMesh {
         let lent: Vec<[u32; 3]> = (0..triangles.len())
             .into_par_iter()
             .map(|triangle| {
-                [0, 1, 2].map(|k| match self.owner(&topology, triangle, k) {
+                [0, 1, 2].map(|k| match self.owner(topology, triangle, k) {
                     Some((owner, side)) => sides[owner][side],
                     None => sides[triangle][k],
                 })
@@ -111,8 +111,8 @@ impl CurvedMesh {
     /// `None` if they are the triangle's own.
     fn owner(&self, topology: &Topology, triangle: usize, k: usize) -> Option<(usize, usize)> {
         let neighbour = topology.neighbours(triangle)[k];
-        if neighbour == NO_TRIANGLE || neighbour as usize >= triangle || self.straight(triangle, k)
-        {
+        let first = neighbour == NO_TRIANGLE || neighbour as usize >= triangle;
+        if first || self.straight(topology, triangle, k) {
             return None;
         }
         let owner = neighbour as usize;
@@ -122,18 +122,21 @@ impl CurvedMesh {
         );
         (0..3)
             .find(|&side| theirs[side] == ours[(k + 1) % 3] && theirs[(side + 1) % 3] == ours[k])
-            .filter(|&side| !self.straight(owner, side))
+            .filter(|&side| !self.straight(topology, owner, side))
             .map(|side| (owner, side))
     }
 
-    fn straight(&self, triangle: usize, k: usize) -> bool {
+    /// Whether a side is straight, or so nearly that its neighbour, being flat, has it straight.
+    fn straight(&self, topology: &Topology, triangle: usize, k: usize) -> bool {
         let record = &self.records[triangle];
-        is_plane(record) || record.flags().is_straight(k)
+        let beside = self.records.get(topology.neighbours(triangle)[k] as usize);
+        record.flags().is_straight(k) || is_plane(record) || beside.is_some_and(is_plane)
     }
 
     /// The positions and normals of a triangle's own vertices in the order of their numbers.
     fn own_vertices(
         &self,
+        topology: &Topology,
         lattices: &Lattices,
         triangle: usize,
     ) -> impl Iterator<Item = (Vec3, Vec3)> {
@@ -146,7 +149,7 @@ impl CurvedMesh {
             }
             for part in 1..level {
                 let (position, normal) = self.at(&patch, triangle, on_side(level, k, part), level);
-                let straight = self.straight(triangle, k);
+                let straight = self.straight(topology, triangle, k);
                 let position = if straight {
                     self.on_straight_side(triangle, k, part, level)
                 } else {
