@@ -48,12 +48,15 @@ pub fn cast_rays(data: &[u8]) {
     for (ray, hit) in rays.iter().zip(&singly) {
         check(&curved, ray, hit.as_ref());
         let occluded = scene.occluded1(ray, &QueryOptions::INCOHERENT);
-        assert_eq!(occluded, hit.is_some(), "{ray:?} {hit:?}");
+        assert!(
+            occluded == hit.is_some() || is_blurred(ray, &mesh),
+            "{ray:?} {hit:?}"
+        );
     }
     for how in [QueryOptions::INCOHERENT, QueryOptions::COHERENT] {
-        compare::<4>(&scene, &rays, &singly, &how);
-        compare::<8>(&scene, &rays, &singly, &how);
-        compare::<16>(&scene, &rays, &singly, &how);
+        compare::<4>(&scene, &mesh, &rays, &singly, &how);
+        compare::<8>(&scene, &mesh, &rays, &singly, &how);
+        compare::<16>(&scene, &mesh, &rays, &singly, &how);
     }
 }
 
@@ -195,26 +198,66 @@ fn check(curved: &CurvedMesh, ray: &Ray, hit: Option<&Hit>) {
     assert!(bound.is_finite() && bound >= 0.0, "{bound} {}", what());
 }
 
+/// What Embree divides by where a direction's component is less.
+const LEAST_DIVISOR: f32 = 1e-18;
+
+/// Whether rounding of the ray's way matters to the smallest of the triangles, or its direction is less than
+/// what Embree computes with: what such a ray meets is up to the way that the tree is walked.
+fn is_blurred(ray: &Ray, mesh: &Mesh) -> bool {
+    let triangles = 0..mesh.triangles().len();
+    let least = triangles.map(|triangle| {
+        let [a, b, c] = mesh.triangle_positions(triangle);
+        a.distance(b).max(b.distance(c)).max(c.distance(a))
+    });
+    let least = least.filter(|&size| size > 0.0).fold(f32::MAX, f32::min);
+    let furthest = mesh.positions().iter().map(|p| p.length());
+    let away = furthest.fold(ray.origin.length(), f32::max);
+    !(f32::EPSILON * away < SHARP * least)
+        || ray.direction.abs().max_element() < 1e3 * LEAST_DIVISOR
+}
+
+/// Rounding of a ray's way that does not matter, in sizes of a triangle.
+const SHARP: f32 = 1e-3;
+
+/// How far apart hits may be, in sizes of the mesh, of which one is beside its triangle.
+const BESIDE: f32 = 1e-3;
+
+/// Whether a hit is in the rim by which neighbours overlap. That reaches out of the triangle's box a little,
+/// so that it depends on how boxes are tested whether it is met there or on the neighbour.
+fn is_beside(hit: &Hit) -> bool {
+    hit.u < 0.0 || hit.v < 0.0 || hit.u + hit.v > 1.0
+}
+
 /// Sets packets beside single rays: the same, but where two triangles are met at the same t (within
 /// rounding) either may be named.
 fn compare<const N: usize>(
     scene: &Scene,
+    mesh: &Mesh,
     rays: &[Ray; RAYS],
     singly: &[Option<Hit>; RAYS],
     how: &QueryOptions<'_>,
 ) where
     Width<N>: Traced,
 {
+    let size = mesh.bounds().diagonal() as f32;
     for (rays, singly) in rays.chunks(N).zip(singly.chunks(N)) {
         let mut packet = RayPacket::<N>::from_rays(rays);
         let mut shadows = packet.clone();
         scene.intersect(&mut packet, how);
         let occluded = scene.occluded(&mut shadows, how);
         for (lane, (ray, single)) in rays.iter().zip(singly).enumerate() {
+            if is_blurred(ray, mesh) {
+                continue;
+            }
             let hit = packet.hit(lane);
             let same = match (single, &hit) {
                 (Some(a), Some(b)) if a.prim_id == b.prim_id => a == b,
-                (Some(a), Some(b)) => (a.t - b.t).abs() <= 4.0 * f32::EPSILON * a.t.abs(),
+                (Some(a), Some(b)) => {
+                    let apart = (a.t - b.t).abs();
+                    let way = apart * ray.direction.length();
+                    apart <= 4.0 * f32::EPSILON * a.t.abs()
+                        || (is_beside(a) || is_beside(b)) && way <= BESIDE * size
+                }
                 (a, b) => a.is_none() && b.is_none(),
             };
             assert!(same, "packets of {N}: {ray:?} {single:?}, but {hit:?}");

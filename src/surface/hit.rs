@@ -403,6 +403,9 @@ impl<S: Scalar> Patch<S> {
     fn kept_inside<V: Real<Scalar = S>>(&self, b: [V; 3], lanes: V::Mask) -> ([V; 2], V) {
         let like = b[0];
         let (zero, one) = (like.constant(0.0), like.constant(1.0));
+        // The first is what the other two leave: on the way of a ray from very far away all three are
+        // rounded apart, and it is those two that are told.
+        let b = [one - b[1] - b[2], b[1], b[2]];
         let floor = like.constant(-MAX_OUTSIDE);
         let outside = lanes & (b[0].less(floor) | b[1].less(floor) | b[2].less(floor));
         if !outside.any() {

@@ -300,6 +300,27 @@ fn both_solvers_agree() {
 }
 
 #[test]
+fn feet_stay_in_their_triangle_however_far_rays_come_from() {
+    let mut random = Random(17);
+    let mut met = 0;
+    for n in 0..20_000 {
+        let (p, v) = random.triangle([0.0, 3.0, 20.0][n % 3], 0.3);
+        let patch = Patch::<f32>::new(rounded(p), rounded(v), PatchFlags::default());
+        let away = 10f64.powi((n % 15) as i32);
+        let target = p[0] + (p[1] - p[0]) * random.unit() + (p[2] - p[0]) * random.unit();
+        let way = random.direction();
+        let hit = patch.intersect(&ray(target - way * away, way * away), Solver::default());
+        if hit.found {
+            met += 1;
+            let inside = -1e-4..=1.0 + 1e-4f32;
+            let b = [hit.u, hit.v, 1.0 - hit.u - hit.v];
+            assert!(b.iter().all(|b| inside.contains(b)), "{b:?} from {away}");
+        }
+    }
+    assert!(met > 5_000, "{met}");
+}
+
+#[test]
 fn odd_input_makes_no_surface_and_no_panic() {
     let good = [
         vector(0.0, 0.0, 0.0),
