@@ -68,10 +68,15 @@ impl Camera {
     /// within. For a picture of so many pixels.
     pub fn least_pixel(&self, bounds: &Bounds, width: usize, height: usize) -> f64 {
         let distance = self.eye.distance(self.eye.clamp(bounds.min, bounds.max));
-        let pixel = 2.0 * (0.5 * self.fov_degrees).to_radians().tan() / height as f64;
+        let pixel = self.pixel(height);
         // A pixel grows with the way straight ahead, which is least in the picture's corners.
         let corner = 0.5 * pixel * (width as f64).hypot(height as f64);
         pixel * distance / corner.hypot(1.0)
+    }
+
+    /// The size of a pixel one unit straight ahead, of a picture with so many rows.
+    fn pixel(&self, height: usize) -> f64 {
+        2.0 * (0.5 * self.fov_degrees).to_radians().tan() / height as f64
     }
 
     /// Prepares the camera for a picture's size, in the space relative to `origin`.
@@ -95,7 +100,7 @@ impl Camera {
             .try_normalize()
             .ok_or(CameraError::NoDirection(self.eye))?;
         let Axes { forward, right, up } = Axes::new(forward, self.up);
-        let pixel = 2.0 * (0.5 * self.fov_degrees).to_radians().tan() / height as f64;
+        let pixel = self.pixel(height);
         let corner = forward - 0.5 * pixel * (width as f64 * right - height as f64 * up);
         Ok(Lens {
             eye: (self.eye - origin).as_vec3(),

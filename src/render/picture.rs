@@ -40,14 +40,6 @@ pub struct Picture {
     pub show_sky: bool,
 }
 
-impl Picture {
-    /// The least size of one of its pixels on what is within a box, in the user's units; see
-    /// [`Camera::least_pixel`].
-    pub fn least_pixel(&self, bounds: &Bounds) -> f32 {
-        self.camera.least_pixel(bounds, self.width, self.height) as f32
-    }
-}
-
 /// A part of a picture, in pixels from its upper left corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crop {
@@ -132,6 +124,12 @@ impl Default for Integrator {
 }
 
 impl Picture {
+    /// The least size of one of its pixels on what is within a box, in the user's units; see
+    /// [`Camera::least_pixel`].
+    pub fn least_pixel(&self, bounds: &Bounds) -> f32 {
+        self.camera.least_pixel(bounds, self.width, self.height) as f32
+    }
+
     /// A picture of this size by daylight, of 16 samples a pixel, without a ground.
     pub fn new(width: usize, height: usize, camera: Camera, up: UpAxis) -> Self {
         Self {
