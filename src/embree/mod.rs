@@ -60,6 +60,6 @@ pub use geometry::{BuildQuality, Geometry, GeometryBuilder};
 pub use meshes::Grid;
 pub use packet::{Hits, RayPacket, Rays, Traced, Width};
 pub use query::QueryOptions;
-pub use ray::{Hit, LARGEST_COMPONENT, Ray, SurfaceHit};
+pub use ray::{Hit, LARGEST_COMPONENT, LEAST_COMPONENT, Ray, SurfaceHit};
 pub use scene::{GeometryId, Scene, SceneBuilder};
 pub use user::{IntersectQuery, OccludedQuery, QueryRays, UserGeometry};

@@ -4,7 +4,7 @@ use std::mem::{offset_of, size_of};
 
 use glam::Vec3;
 
-use super::ray::{Hit, LARGEST_COMPONENT, Ray};
+use super::ray::{Hit, LARGEST_COMPONENT, LEAST_COMPONENT, Ray};
 use super::record::HIT_FIELDS;
 use super::sys::{self, INVALID_ID, LEVELS};
 
@@ -100,9 +100,6 @@ pub struct Hits<const N: usize> {
     #[cfg(inst_prim_id)]
     inst_prim_id: [[u32; N]; LEVELS],
 }
-
-/// What Embree divides by where a direction's component is less.
-const LEAST_DIVISOR: f32 = 1e-18;
 
 /// How many arrays the rays and the hits are.
 const FIELDS: usize = 12 + HIT_FIELDS;
@@ -275,6 +272,11 @@ impl<const N: usize> RayPacket<N> {
                 good[lane] &= component[lane].abs() <= reach;
             }
         }
+        for lane in 0..N {
+            let along = [rays.dir_x[lane], rays.dir_y[lane], rays.dir_z[lane]];
+            let [x, y, z] = along.map(|c| c.abs() >= LEAST_COMPONENT);
+            good[lane] &= x | y | z;
+        }
         let mut lanes = 0;
         for (lane, good) in good.into_iter().enumerate() {
             let (tnear, tfar, time) = (rays.tnear[lane], rays.tfar[lane], rays.time[lane]);
@@ -285,14 +287,14 @@ impl<const N: usize> RayPacket<N> {
     }
 
     /// Whether a ray's direction has a component that is negative, but nearer to zero than
-    /// [`LEAST_DIVISOR`]. Embree takes such a one for positive when it divides by it, but for negative when
+    /// [`LEAST_COMPONENT`]. Embree takes such a one for positive when it divides by it, but for negative when
     /// it sorts a coherent packet's rays by where they lead: other rays of the packet lose hits then.
     pub(super) fn leads_hardly_back(&self) -> bool {
         let rays = &self.rays;
         let mut any = false;
         for component in [&rays.dir_x, &rays.dir_y, &rays.dir_z] {
             for &along in component {
-                any |= (along < 0.0) & (along > -LEAST_DIVISOR);
+                any |= (along < 0.0) & (along > -LEAST_COMPONENT);
             }
         }
         any
@@ -452,8 +454,13 @@ mod tests {
     fn rays_of_every_width_are_judged_alike() {
         let good = Ray::new(Vec3::ZERO, Vec3::X);
         let bad = Ray::new(Vec3::new(0.0, f32::NAN, 0.0), Vec3::X);
+        let nowhere = Ray::new(Vec3::ZERO, Vec3::splat(1e-19));
         let rays: Vec<Ray> = (0..16)
-            .map(|i| if i % 3 == 0 { bad } else { good })
+            .map(|i| match i % 4 {
+                0 => bad,
+                3 => nowhere,
+                _ => good,
+            })
             .collect();
         let expected = (0..16)
             .filter(|i| rays[*i].is_traceable())

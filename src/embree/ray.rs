@@ -8,6 +8,10 @@ use super::sys::{INVALID_ID, LEVELS};
 /// Debian 12's library aborts the process beyond it.
 pub const LARGEST_COMPONENT: f32 = 1.844e18;
 
+/// What Embree divides by in place of a direction's component that is nearer to zero: a direction of nothing
+/// but such components is none.
+pub const LEAST_COMPONENT: f32 = 1e-18;
+
 /// A ray: the points `origin + t direction` with `tnear <= t <= tfar`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
@@ -60,12 +64,14 @@ impl Ray {
     }
 
     /// Whether the ray is one that Embree traces: numbers within [`LARGEST_COMPONENT`] in origin and
-    /// direction, `0 <= tnear <= tfar`, a time in [0, 1], no NaN. Any other ray hits nothing, whatever
-    /// the version of Embree (Debian 12's would abort the process).
+    /// direction, a direction that has a component of [`LEAST_COMPONENT`] or more, `0 <= tnear <= tfar`, a
+    /// time in [0, 1], no NaN. Any other ray hits nothing, whatever the version of Embree (Debian 12's would
+    /// abort the process, or tell one thing of a ray alone and another of it in a packet).
     pub fn is_traceable(&self) -> bool {
         let small = |v: Vec3| v.abs().cmple(Vec3::splat(LARGEST_COMPONENT)).all();
         small(self.origin)
             && small(self.direction)
+            && self.direction.abs().max_element() >= LEAST_COMPONENT
             && self.tnear >= 0.0
             && self.tnear <= self.tfar
             && (0.0..=1.0).contains(&self.time)
@@ -148,5 +154,8 @@ mod tests {
             assert!(!Ray::new(Vec3::ZERO, Vec3::new(0.0, 1.0, bad)).is_traceable());
         }
         assert!(Ray::new(Vec3::splat(1.844e18), Vec3::splat(-1.844e18)).is_traceable());
+        assert!(Ray::new(Vec3::ZERO, Vec3::new(0.0, -1e-18, 1e-30)).is_traceable());
+        assert!(!Ray::new(Vec3::ZERO, Vec3::splat(-0.9e-18)).is_traceable());
+        assert!(!Ray::new(Vec3::ZERO, Vec3::ZERO).is_traceable());
     }
 }
