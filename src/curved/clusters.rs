@@ -291,6 +291,20 @@ impl Entries {
 }
 
 impl PacketEntries {
+    /// For each box the lanes that meet it, one bit each.
+    pub fn met(&self) -> &[u32; SIZE] {
+        &self.met
+    }
+
+    /// Counts some boxes, one bit each, as met no more.
+    pub fn leave(&mut self, boxes: u32) {
+        for (n, met) in self.met.iter_mut().enumerate() {
+            if boxes & 1 << n != 0 {
+                *met = 0;
+            }
+        }
+    }
+
     /// The place of the box that is entered first of those met, and the lanes of `valid` that enter it no
     /// further away than their `tfar`; that box is met no more. None where nothing is left.
     #[inline]

@@ -65,10 +65,10 @@ pub(super) fn count_callback() {
     });
 }
 
-/// Counts lanes of one test of a triangle and what they took.
-pub(super) fn count(calls: u64, evaluations: u64) {
+/// Counts lanes of tests of triangles and what they took.
+pub(super) fn count(tests: u64, calls: u64, evaluations: u64) {
     add(Counters {
-        tests: 1,
+        tests,
         calls,
         evaluations,
         ..NONE

@@ -3,9 +3,11 @@
 use std::ops::DerefMut;
 
 use super::CurvedMesh;
+use super::clusters::{Cluster, PacketEntries, SIZE};
 use super::counters::{count, count_callback};
+use super::laid::Laid;
 use crate::embree::{Bounds, IntersectQuery, OccludedQuery, QueryRays, SurfaceHit, UserGeometry};
-use crate::surface::{HitLanes, KeptPatch, Ray, RayLanes, Real};
+use crate::surface::{HitLanes, KeptPatch, Ray, RayLanes, Real, Solver};
 
 impl UserGeometry for CurvedMesh {
     fn primitives(&self) -> u32 {
@@ -91,10 +93,54 @@ impl CurvedMesh {
             return;
         }
         let mut entries = cluster.packet_entries(&ray_lanes(query), query.valid());
+        if matches!(self.solver, Solver::Finish { .. }) && !query.has_filters() {
+            self.trace_block(query, (prim, cluster), &mut entries, normals, report);
+        }
         // Lanes that are occluded by now are valid no more.
         while let Some((n, lanes)) = entries.next(query.tfar(), query.valid()) {
             self.trace_triangle(query, cluster.triangle(n), lanes, normals, report);
         }
+    }
+
+    /// Offers the first roots of a query's rays on those triangles of a cluster that can be laid out side by
+    /// side, and counts their boxes as met no more.
+    fn trace_block<'a, Q: DerefMut<Target = QueryRays<'a>>>(
+        &self,
+        query: &mut Q,
+        (prim, cluster): (u32, &Cluster),
+        entries: &mut PacketEntries,
+        normals: bool,
+        report: impl Fn(&mut Q, usize, SurfaceHit) -> bool,
+    ) {
+        let asked = entries.met().iter().enumerate();
+        let asked = asked.fold(0, |asked, (n, &lanes)| asked | u32::from(lanes != 0) << n);
+        if asked == 0 {
+            return;
+        }
+        let laid = Laid::with(|laid| {
+            let (slot, hits) = laid.cluster(self.number, prim);
+            let laid = slot.lay(asked, |n| self.kept(cluster.triangle(n)));
+            let (rays, met) = (ray_lanes(query), entries.met());
+            slot.block
+                .intersect_packet(&rays, met, self.solver, normals, hits);
+            let calls = (0..SIZE)
+                .filter(|n| laid & 1 << n != 0)
+                .map(|n| met[n].count_ones());
+            let evaluations = hits.evaluations;
+            count(
+                laid.count_ones().into(),
+                calls.sum::<u32>().into(),
+                evaluations.into(),
+            );
+            for hit in hits.iter() {
+                query.set_prim_id(cluster.triangle(hit.patch));
+                let (t, u, v) = (hit.t, hit.u, hit.v);
+                let ng = hit.normal.into();
+                report(query, hit.lane, SurfaceHit { t, u, v, ng });
+            }
+            laid
+        });
+        entries.leave(laid);
     }
 
     /// Offers the roots of some of a query's rays on a triangle.
@@ -133,7 +179,7 @@ impl CurvedMesh {
         normals: bool,
     ) -> HitLanes {
         let hits = patch.intersect_packet(&ray_lanes(query), valid, self.solver, normals);
-        count(valid.count_ones().into(), hits.evaluations.into());
+        count(1, valid.count_ones().into(), hits.evaluations.into());
         hits
     }
 
@@ -156,7 +202,7 @@ impl CurvedMesh {
             }
             ray.tnear = patch.beyond(&ray, t);
         }
-        count(1, evaluations);
+        count(1, 1, evaluations);
     }
 
     /// How far the true surface may be from the point `origin + t direction` of a hit on a

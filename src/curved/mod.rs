@@ -7,11 +7,13 @@ mod counters;
 mod geometry;
 mod inspection;
 mod kinds;
+mod laid;
 mod prepare;
 mod spheres;
 mod tessellate;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::embree::Bounds;
 use crate::mesh::{Mesh, Topology, TopologyCounts};
@@ -90,11 +92,16 @@ pub struct CurvedMesh {
     mesh: Arc<Mesh>,
     records: Vec<PatchRecord>,
     clusters: Option<Box<[Cluster]>>,
+    /// Tells it from all others that there ever were.
+    number: u64,
     solver: Solver,
     kinds: Kinds,
     spheres: Spheres,
     topology: TopologyCounts,
 }
+
+/// One more than there were curved meshes.
+static COUNT: AtomicU64 = AtomicU64::new(1);
 
 impl CurvedMesh {
     /// Curves every triangle of a mesh, in parallel.
@@ -113,6 +120,7 @@ impl CurvedMesh {
             mesh,
             records: prepared.records,
             clusters,
+            number: COUNT.fetch_add(1, Ordering::Relaxed),
             solver: options.solver,
             kinds: prepared.kinds,
             spheres: prepared.spheres,

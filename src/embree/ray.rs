@@ -8,8 +8,9 @@ use super::sys::{INVALID_ID, LEVELS};
 /// Debian 12's library aborts the process beyond it.
 pub const LARGEST_COMPONENT: f32 = 1.844e18;
 
-/// What Embree divides by in place of a direction's component that is nearer to zero: a direction of nothing
-/// but such components is none.
+/// What Embree divides by in place of a direction's component that is nearer to zero. A direction of nothing
+/// but such components is none; one whose largest is below 1e-11 is that much turned by it that rounding is
+/// not what decides at edges any more.
 pub const LEAST_COMPONENT: f32 = 1e-18;
 
 /// A ray: the points `origin + t direction` with `tnear <= t <= tfar`.

@@ -51,6 +51,7 @@ pub struct QueryRays<'a> {
     valid: u32,
     prim_id: u32,
     geom_id: u32,
+    filtered: Filtered,
     packet: PhantomData<&'a mut f32>,
 }
 
@@ -58,7 +59,6 @@ pub struct QueryRays<'a> {
 pub struct IntersectQuery<'a> {
     rays: QueryRays<'a>,
     args: *const sys::RTCIntersectFunctionNArguments,
-    filtered: Filtered,
     accepted: u32,
 }
 
@@ -66,7 +66,6 @@ pub struct IntersectQuery<'a> {
 pub struct OccludedQuery<'a> {
     rays: QueryRays<'a>,
     args: *const sys::RTCOccludedFunctionNArguments,
-    filtered: Filtered,
     accepted: u32,
 }
 
@@ -87,6 +86,12 @@ impl QueryRays<'_> {
     /// several of the geometry's own.
     pub fn set_prim_id(&mut self, prim_id: u32) {
         self.prim_id = prim_id;
+    }
+
+    /// Whether hits are shown to filters, which may reject them. Else of an occlusion's hit only `t` is looked
+    /// at.
+    pub fn has_filters(&self) -> bool {
+        self.filtered.any
     }
 
     /// The geometry's number in its scene.
@@ -256,7 +261,7 @@ impl IntersectQuery<'_> {
         if hit.t == self.tfar()[lane] && self.comes_after_its_hit(lane) {
             return false;
         }
-        let (args, filtered) = (self.args, self.filtered);
+        let (args, filtered) = (self.args, self.rays.filtered);
         // SAFETY: Embree's arguments live as long as `self`.
         let call = unsafe {
             Call {
@@ -307,18 +312,13 @@ impl IntersectQuery<'_> {
 }
 
 impl OccludedQuery<'_> {
-    /// Whether hits are shown to filters. Else of a hit only `t` is looked at.
-    pub fn has_filters(&self) -> bool {
-        self.filtered.any
-    }
-
     /// Offers a hit of a lane's ray. Returns whether it counts, as in [`IntersectQuery::report`]; the
     /// ray is done then, and its lane no longer valid.
     ///
     /// # Panics
     /// If there is no such lane.
     pub fn report(&mut self, lane: usize, hit: SurfaceHit) -> bool {
-        let (args, filtered) = (self.args, self.filtered);
+        let (args, filtered) = (self.args, self.rays.filtered);
         // SAFETY: Embree's arguments live as long as `self`.
         let call = unsafe {
             Call {
@@ -380,14 +380,13 @@ pub(super) unsafe extern "C" fn intersect(args: *const sys::RTCIntersectFunction
                 valid: callbacks.seen(call.rayhit.cast(), width, read_valid(call.valid, width)),
                 prim_id: call.primID,
                 geom_id: call.geomID,
+                filtered: Filtered::new(callbacks, query),
                 packet: PhantomData,
             }
         };
-        let filtered = Filtered::new(callbacks, query);
         let mut query = IntersectQuery {
             rays,
             args,
-            filtered,
             accepted: 0,
         };
         callbacks.shape().intersect(&mut query);
@@ -414,14 +413,13 @@ pub(super) unsafe extern "C" fn occluded(args: *const sys::RTCOccludedFunctionNA
                 valid: callbacks.seen(call.ray.cast(), width, read_valid(call.valid, width)),
                 prim_id: call.primID,
                 geom_id: call.geomID,
+                filtered: Filtered::new(callbacks, query),
                 packet: PhantomData,
             }
         };
-        let filtered = Filtered::new(callbacks, query);
         let mut query = OccludedQuery {
             rays,
             args,
-            filtered,
             accepted: 0,
         };
         callbacks.shape().occluded(&mut query);

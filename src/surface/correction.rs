@@ -7,9 +7,9 @@
 //! where it vanishes at both ends, without the factor of an end that is loose. See the method's notes in
 //! ARCHITECTURE.md.
 
+use super::choice::Choice;
 use super::dual::Dual;
 use super::flags::PatchFlags;
-use super::guide::Choice;
 use super::patch::{Patch, next};
 use super::real::{Constant, Jet, Real, inlined};
 use super::vector::vector;

@@ -39,7 +39,7 @@ struct Guess<V> {
     bend: V,
 }
 
-impl<S: Scalar> Patch<S> {
+impl<S: Constant> Patch<S> {
     /// Whether a ray is steep.
     #[inline(always)]
     pub(super) fn is_steep<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> V::Mask {
@@ -204,13 +204,12 @@ pub(super) fn least_cosine<S: Constant>(patch: &Patch<S>) -> S {
 
 /// The squared sine of the angle from which on a ray is steep.
 #[inline(always)]
-pub(super) fn steep<S: Constant>(like: S, kept: u8) -> S {
-    let tangent = like.constant(f64::from(kept)) * like.constant(1.0 / STEEPNESS_STEPS);
+pub(super) fn steep<S: Constant>(kept: S) -> S {
+    let tangent = kept * kept.constant(1.0 / STEEPNESS_STEPS);
     let square = tangent * tangent;
-    if kept == u8::MAX {
-        return like.constant(2.0); // no ray is
-    }
-    square / (square + like.constant(1.0))
+    let none = kept.constant(2.0);
+    let unknown = kept.constant(u8::MAX.into()).at_most(kept);
+    S::select(unknown, none, square / (square + kept.constant(1.0)))
 }
 
 #[cfg(test)]
@@ -278,7 +277,7 @@ mod tests {
             let (p, normals) = random.triangle([5.0, 15.0, 30.0, 45.0][n % 4], 0.6);
             let flags = PatchFlags::new(Surface::ALL[n / 4 % 3]);
             let patch = Patch::<f64>::new(p, normals, flags);
-            let kept = steep(1.0, patch.steepness);
+            let kept = steep(f64::from(patch.steepness));
             for _ in 0..if patch.kind() == PatchKind::Curved {
                 30
             } else {

@@ -1,7 +1,7 @@
 //! A triangle's edges and plane, before anything of its surface: what the clip and the patch share.
 
-use super::patch::next;
-use super::real::{Scalar, three};
+use super::choice::Choice;
+use super::real::{Constant, Real, Scalar, three};
 use super::vector::Vector;
 
 /// Twice the area over the squared size, below which there is no plane to speak of ...
@@ -15,7 +15,7 @@ pub(super) const THIN: f64 = 1.0 / 32.0;
 
 /// A triangle in units of its size, with the first vertex as the origin.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame<S> {
+pub(super) struct Frame<S: Real> {
     pub origin: Vector<S>,
     /// A power of two, at most the longest side.
     pub size: S,
@@ -24,7 +24,7 @@ pub(super) struct Frame<S> {
     /// The edges' squared lengths.
     pub lengths2: [S; 3],
     /// The longest side.
-    pub longest: usize,
+    pub longest: Choice<S>,
     /// Along the normal of the vertices' counterclockwise order, twice the area long.
     pub cross: Vector<S>,
     /// Twice the area.
@@ -33,24 +33,18 @@ pub(super) struct Frame<S> {
     pub winding: S,
 }
 
-impl<S: Scalar> Frame<S> {
-    /// The frame, unless there is no area or something is not finite.
+impl<S: Constant> Frame<S> {
+    /// The frame of a triangle that is neither degenerate nor a sliver; of any other it is nothing.
     #[inline(always)]
-    pub fn new(positions: &[Vector<S>; 3], normals: &[Vector<S>; 3]) -> Option<Self> {
-        let edges = [
-            positions[1] - positions[0],
-            positions[2] - positions[1],
-            positions[0] - positions[2],
-        ];
-        let extent = edges[0]
-            .max_abs()
-            .greater(edges[1].max_abs())
-            .greater(edges[2].max_abs());
-        let tiny = S::from_f64(1e-30);
-        if !(tiny.less(extent) && extent < S::HUGE && positions[0].is_finite()) {
-            return None;
-        }
-        let one = S::from_f64(1.0);
+    pub fn of_sound(positions: &[Vector<S>; 3], normals: &[Vector<S>; 3]) -> Self {
+        let edges = edges(positions);
+        Self::scaled(positions[0], edges, extent(&edges)).oriented(normals)
+    }
+
+    /// All but the winding.
+    #[inline(always)]
+    fn scaled(origin: Vector<S>, edges: [Vector<S>; 3], extent: S) -> Self {
+        let one = extent.constant(1.0);
         let size = extent.power_of_two();
         let unit = one / size;
         let edges = three(
@@ -61,36 +55,69 @@ impl<S: Scalar> Frame<S> {
             #[inline(always)]
             |k| edges[k].dot(edges[k]),
         );
-        let longer = usize::from(lengths2[0] < lengths2[1]);
-        let longest = if lengths2[longer] < lengths2[2] {
-            2
-        } else {
-            longer
-        };
+        let longest = Choice::longest(lengths2);
+        let [a, b, c] = edges;
         // The two shortest sides give the most certain vector product.
-        let mut cross = edges[next(longest)].cross(edges[next(next(longest))]);
-        let mut area2 = cross.length();
-        if !(S::from_f64(SLIVER_AREA) < area2) {
-            (cross, area2) = thin_plane(positions, size)?;
-        }
-        let agreement = cross.dot(normals[0] + normals[1] + normals[2]);
-        let winding = S::select(agreement.less(S::from_f64(0.0)), -one, one);
-        Some(Self {
-            origin: positions[0],
+        let cross = longest
+            .pick_vector([b, c, a])
+            .cross(longest.pick_vector([c, a, b]));
+        Self {
+            origin,
             size,
             edges,
             lengths2,
             longest,
             cross,
-            area2,
-            winding,
-        })
+            area2: cross.length(),
+            winding: one,
+        }
+    }
+
+    #[inline(always)]
+    fn oriented(self, normals: &[Vector<S>; 3]) -> Self {
+        let one = self.area2.constant(1.0);
+        let agreement = self.cross.dot(normals[0] + normals[1] + normals[2]);
+        let winding = S::select(agreement.less(one.constant(0.0)), -one, one);
+        Self { winding, ..self }
+    }
+}
+
+/// The sides from vertex to vertex.
+#[inline(always)]
+fn edges<S: Real>(positions: &[Vector<S>; 3]) -> [Vector<S>; 3] {
+    [
+        positions[1] - positions[0],
+        positions[2] - positions[1],
+        positions[0] - positions[2],
+    ]
+}
+
+#[inline(always)]
+fn extent<S: Real>([a, b, c]: &[Vector<S>; 3]) -> S {
+    a.max_abs().greater(b.max_abs()).greater(c.max_abs())
+}
+
+impl<S: Scalar> Frame<S> {
+    /// The frame, unless there is no area or something is not finite.
+    #[inline(always)]
+    pub fn new(positions: &[Vector<S>; 3], normals: &[Vector<S>; 3]) -> Option<Self> {
+        let edges = edges(positions);
+        let extent = extent(&edges);
+        let tiny = S::from_f64(1e-30);
+        if !(tiny.less(extent) && extent < S::HUGE && positions[0].is_finite()) {
+            return None;
+        }
+        let mut frame = Self::scaled(positions[0], edges, extent);
+        if !(S::from_f64(SLIVER_AREA) < frame.area2) {
+            (frame.cross, frame.area2) = thin_plane(positions, frame.size)?;
+        }
+        Some(frame.oriented(normals))
     }
 
     /// Whether the triangle, if flat, is so thin that rounding along its plane matters.
     #[inline(always)]
     pub fn is_thin(&self) -> bool {
-        self.area2 < self.lengths2[self.longest].sqrt() * S::from_f64(THIN)
+        self.area2 < self.longest.pick(self.lengths2).sqrt() * S::from_f64(THIN)
     }
 }
 

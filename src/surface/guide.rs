@@ -5,69 +5,11 @@
 //! (26) to (28). The guide over the foot is `nc + lean w` with `w` the inward perpendicular of the
 //! side whose sub-triangle the foot lies in.
 
+use super::choice::Choice;
 use super::dual::{at_least, capped, lesser};
-use super::patch::{Patch, Rule, next};
-use super::real::{Constant, Jet, Real, inlined, three};
-use super::sides::Side;
+use super::patch::{Patch, Rule};
+use super::real::{Constant, Jet, Real, inlined};
 use super::vector::Vector;
-
-/// Which side's sub-triangle each lane is in.
-#[derive(Clone, Copy)]
-pub(super) struct Choice<V: Real> {
-    /// Any value with the same lanes.
-    like: V,
-    first: V::Mask,
-    second: V::Mask,
-}
-
-impl<V: Real> Choice<V> {
-    /// Side `k` is chosen where the opposite vertex's coordinate is the smallest.
-    #[inline(always)]
-    pub fn nearest(b: [V; 3]) -> Self {
-        let like = b[0];
-        let first = b[2].at_most(b[0]) & b[2].at_most(b[1]);
-        Self {
-            like,
-            first,
-            second: !first & b[0].at_most(b[1]),
-        }
-    }
-
-    /// Side `k` in every lane.
-    #[inline(always)]
-    pub fn only(like: V, k: usize) -> Self {
-        Self {
-            like,
-            first: like.mask(k == 0),
-            second: like.mask(k == 1),
-        }
-    }
-
-    /// The chosen one of three values, one for each side.
-    #[inline(always)]
-    pub fn pick<T: Jet<V>>(self, of: [T; 3]) -> T {
-        T::select(self.first, of[0], T::select(self.second, of[1], of[2]))
-    }
-
-    /// The chosen one of three constants.
-    #[inline(always)]
-    pub fn constant(self, of: impl Fn(usize) -> V::Scalar) -> V {
-        self.pick(three(
-            #[inline(always)]
-            |k| self.like.splat(of(k)),
-        ))
-    }
-
-    /// Whether side `k` is chosen.
-    #[inline(always)]
-    pub fn is(self, k: usize) -> V::Mask {
-        match k {
-            0 => self.first,
-            1 => self.second,
-            _ => !self.first & !self.second,
-        }
-    }
-}
 
 /// A point of the triangle's plane with the guide that stands on it.
 #[derive(Clone, Copy)]
@@ -106,7 +48,7 @@ impl<S: Constant> Patch<S> {
         let limit = self.median(along, choice);
         let ramp = if self.any_obtuse {
             let b_j = choice.pick([b[1], b[2], b[0]]);
-            T::select(choice.obtuse(sides), lesser(b_i, b_j), limit)
+            T::select(choice.truth(|k| sides[k].obtuse), lesser(b_i, b_j), limit)
         } else {
             limit
         };
@@ -150,24 +92,15 @@ impl<S: Constant> Patch<S> {
         let mut b_j = held - b_m * foot;
         let mut turn = one - share;
         if self.any_obtuse {
-            let obtuse = choice.obtuse(sides);
+            let obtuse = choice.truth(|k| sides[k].obtuse);
             let (ramp_m, ramp_share) = ramp_under(along, foot, above_m, shift);
             b_m = V::select(obtuse, ramp_m, b_m);
             b_j = V::select(obtuse, along - ramp_m * foot, b_j);
             turn = V::select(obtuse, one - ramp_share, turn);
         }
         let b_i = one - b_j - b_m;
-        let b = three(
-            #[inline(always)]
-            |v| {
-                // Vertex v is the first of side v, the second of side v - 1, opposite to side v + 1.
-                let first = choice.is(v);
-                let second = choice.is(next(next(v)));
-                V::select(first, b_i, V::select(second, b_j, b_m))
-            },
-        );
         Foot {
-            b,
+            b: choice.placed([b_i, b_j, b_m]),
             lean: turn * choice.constant(|k| sides[k].lean),
             choice,
         }
@@ -208,18 +141,6 @@ impl<S: Constant> Patch<S> {
             .plus(choice.like.constant(1.0))
             .times(choice.constant(|k| self.sides[k].rise[1]));
         at_least(lesser(from_first, from_second), choice.like.constant(0.0))
-    }
-}
-
-impl<V: Real> Choice<V> {
-    /// Whether the chosen side has the ramp of obtuse triangles.
-    #[inline(always)]
-    fn obtuse(self, sides: &[Side<V::Scalar>; 3]) -> V::Mask {
-        let obtuse = inlined(
-            #[inline(always)]
-            |k: usize| self.like.splat_mask(sides[k].obtuse),
-        );
-        (self.first & obtuse(0)) | (self.second & obtuse(1)) | (self.is(2) & obtuse(2))
     }
 }
 

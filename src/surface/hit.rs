@@ -7,7 +7,7 @@ use super::hull::{Interval, localized};
 use super::ita::{self, Root};
 use super::patch::{Patch, Rule, next};
 use super::ray::{Ray, Segment, beyond, is_thin};
-use super::real::{Mask, Real, Scalar, each, inlined};
+use super::real::{Constant, Mask, Real, Scalar, each, inlined};
 use super::vector::Vector;
 
 /// A hit's barycentric coordinates may lie this far outside: neighbours overlap a little.
@@ -71,9 +71,9 @@ pub struct Hit<V: Real> {
     pub found: V::Mask,
     /// The ray's parameter.
     pub t: V,
-    /// `b2` at the guide's foot, within [-1e-4, 1 + 1e-4].
+    /// `b2` at the guide's foot, within [-1e-4, 1 + 2e-4].
     pub u: V,
-    /// `b3` at the guide's foot, within [-1e-4, 1 + 1e-4].
+    /// `b3` at the guide's foot, within [-1e-4, 1 + 2e-4].
     pub v: V,
     /// How often the surface was evaluated, the sum over the lanes.
     pub evaluations: u32,
@@ -121,12 +121,6 @@ impl<S: Scalar> Patch<S> {
     #[inline(always)]
     pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Interval<V> {
         self.hull.clip(ray, valid)
-    }
-
-    /// The ray's origin and direction in the patch's space and units.
-    #[inline(always)]
-    pub(super) fn localize<V: Real<Scalar = S>>(&self, ray: &Ray<V>) -> [Vector<V>; 2] {
-        localized(ray, self.origin, S::from_f64(1.0) / self.size)
     }
 
     /// A ray's way over the patch within an interval.
@@ -208,59 +202,6 @@ impl<S: Scalar> Patch<S> {
         }
     }
 
-    /// The hits of steep rays, and of the others by a search.
-    #[inline(always)]
-    fn surface_hit<V: Real<Scalar = S>>(
-        &self,
-        mut segment: Segment<V>,
-        solver: Solver,
-        search: impl FnOnce(Segment<V>) -> Hit<V>,
-    ) -> Hit<V> {
-        let mut hit = Hit::none(segment.start);
-        let steep = segment.alive & self.is_steep(&segment);
-        if matches!(solver, Solver::Finish { .. }) && steep.any() {
-            let missed = self.steep_hit(&segment, steep, &mut hit);
-            segment.alive = segment.alive & !hit.found & !missed;
-        }
-        if !segment.alive.any() {
-            return hit;
-        }
-        let other = search(segment);
-        Hit {
-            found: hit.found | other.found,
-            t: V::select(other.found, other.t, hit.t),
-            u: V::select(other.found, other.u, hit.u),
-            v: V::select(other.found, other.v, hit.v),
-            evaluations: hit.evaluations + other.evaluations,
-        }
-    }
-
-    /// Finds the hits of steep rays; gives the lanes that have none for certain.
-    #[inline(always)]
-    fn steep_hit<V: Real<Scalar = S>>(
-        &self,
-        segment: &Segment<V>,
-        steep: V::Mask,
-        hit: &mut Hit<V>,
-    ) -> V::Mask {
-        let noise = self.noise(segment);
-        // Not the coarser tolerance of rays from afar: the room for a doubtful slope grows with it.
-        let close = [noise / segment.speed, noise];
-        let evaluations = &mut hit.evaluations;
-        let crossing = self.crossing(
-            segment,
-            steep,
-            close,
-            #[inline(always)]
-            |at, lanes: V::Mask| {
-                *evaluations += lanes.count();
-                self.clearance(segment, at)
-            },
-        );
-        hit.found = self.verify(segment, crossing.at, crossing.found, hit);
-        crossing.missed
-    }
-
     /// Finds the first hits of rays that may meet the surface several times.
     #[inline(always)]
     pub(super) fn searched<V: Real<Scalar = S>>(
@@ -288,48 +229,10 @@ impl<S: Scalar> Patch<S> {
         hit
     }
 
-    /// Sets the hit where a root is one: the point there is on its guide, and the foot inside.
-    #[inline(always)]
-    fn verify<V: Real<Scalar = S>>(
-        &self,
-        segment: &Segment<V>,
-        at: V,
-        found: V::Mask,
-        hit: &mut Hit<V>,
-    ) -> V::Mask {
-        let (above, z) = (segment.projection(at), segment.z(at));
-        let foot = self.foot_under(above, z);
-        let ([u, v], moved) = self.kept_inside(foot.b, found);
-        let room = segment.stray_room;
-        let on_guide = self.strayed2(&foot, above, z).at_most(room * room);
-        let true_root = found & on_guide & moved.at_most(room * room.constant(BESIDE));
-        hit.t = V::select(true_root, segment.start + at, hit.t);
-        hit.u = V::select(true_root, u, hit.u);
-        hit.v = V::select(true_root, v, hit.v);
-        true_root
-    }
-
-    /// How far from zero F may be by rounding alone: as near as a root need be found.
-    #[inline(always)]
-    fn noise<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> V {
-        segment
-            .length
-            .splat(S::EPSILON * S::from_f64(NOISE_EPSILONS))
-    }
-
     /// The least parameter at which to look for the root after the one at `t`: beyond the reach of
     /// rounding, so that the same root is not found twice.
     pub fn beyond(&self, ray: &Ray<S>, t: S) -> S {
         beyond(self.origin, self.size, ray, t)
-    }
-
-    /// F of equation (44), whose roots are the hits: the ray's height over the triangle's plane less
-    /// the surface's over the foot of the guide there, in units of the patch's size. `at` is the
-    /// segment's parameter, the ray's less that of the segment's start.
-    #[inline(always)]
-    pub fn clearance<V: Real<Scalar = S>>(&self, segment: &Segment<V>, at: V) -> V {
-        let z = segment.z(at);
-        z - self.height(&self.foot_under(segment.projection(at), z))
     }
 
     #[inline(always)]
@@ -395,7 +298,102 @@ impl<S: Scalar> Patch<S> {
     }
 }
 
-impl<S: Scalar> Patch<S> {
+impl<S: Constant> Patch<S> {
+    /// The ray's origin and direction in the patch's space and units.
+    #[inline(always)]
+    pub(super) fn localize<V: Real<Scalar = S>>(&self, ray: &Ray<V>) -> [Vector<V>; 2] {
+        localized(ray, self.origin, self.size.constant(1.0) / self.size)
+    }
+
+    /// The hits of steep rays, and of the others by a search.
+    #[inline(always)]
+    pub(super) fn surface_hit<V: Real<Scalar = S>>(
+        &self,
+        mut segment: Segment<V>,
+        solver: Solver,
+        search: impl FnOnce(Segment<V>) -> Hit<V>,
+    ) -> Hit<V> {
+        let mut hit = Hit::none(segment.start);
+        let steep = segment.alive & self.is_steep(&segment);
+        if matches!(solver, Solver::Finish { .. }) && steep.any() {
+            let missed = self.steep_hit(&segment, steep, &mut hit);
+            segment.alive = segment.alive & !hit.found & !missed;
+        }
+        if !segment.alive.any() {
+            return hit;
+        }
+        let other = search(segment);
+        Hit {
+            found: hit.found | other.found,
+            t: V::select(other.found, other.t, hit.t),
+            u: V::select(other.found, other.u, hit.u),
+            v: V::select(other.found, other.v, hit.v),
+            evaluations: hit.evaluations + other.evaluations,
+        }
+    }
+
+    /// Finds the hits of steep rays; gives the lanes that have none for certain.
+    #[inline(always)]
+    fn steep_hit<V: Real<Scalar = S>>(
+        &self,
+        segment: &Segment<V>,
+        steep: V::Mask,
+        hit: &mut Hit<V>,
+    ) -> V::Mask {
+        let noise = self.noise(segment);
+        // Not the coarser tolerance of rays from afar: the room for a doubtful slope grows with it.
+        let close = [noise / segment.speed, noise];
+        let evaluations = &mut hit.evaluations;
+        let crossing = self.crossing(
+            segment,
+            steep,
+            close,
+            #[inline(always)]
+            |at, lanes: V::Mask| {
+                *evaluations += lanes.count();
+                self.clearance(segment, at)
+            },
+        );
+        hit.found = self.verify(segment, crossing.at, crossing.found, hit);
+        crossing.missed
+    }
+
+    /// Sets the hit where a root is one: the point there is on its guide, and the foot inside.
+    #[inline(always)]
+    fn verify<V: Real<Scalar = S>>(
+        &self,
+        segment: &Segment<V>,
+        at: V,
+        found: V::Mask,
+        hit: &mut Hit<V>,
+    ) -> V::Mask {
+        let (above, z) = (segment.projection(at), segment.z(at));
+        let foot = self.foot_under(above, z);
+        let ([u, v], moved) = self.kept_inside(foot.b, found);
+        let room = segment.stray_room;
+        let on_guide = self.strayed2(&foot, above, z).at_most(room * room);
+        let true_root = found & on_guide & moved.at_most(room * room.constant(BESIDE));
+        hit.t = V::select(true_root, segment.start + at, hit.t);
+        hit.u = V::select(true_root, u, hit.u);
+        hit.v = V::select(true_root, v, hit.v);
+        true_root
+    }
+
+    /// How far from zero F may be by rounding alone: as near as a root need be found.
+    #[inline(always)]
+    fn noise<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> V {
+        segment.length.constant(S::PRECISION * NOISE_EPSILONS)
+    }
+
+    /// F of equation (44), whose roots are the hits: the ray's height over the triangle's plane less
+    /// the surface's over the foot of the guide there, in units of the patch's size. `at` is the
+    /// segment's parameter, the ray's less that of the segment's start.
+    #[inline(always)]
+    pub fn clearance<V: Real<Scalar = S>>(&self, segment: &Segment<V>, at: V) -> V {
+        let z = segment.z(at);
+        z - self.height(&self.foot_under(segment.projection(at), z))
+    }
+
     /// `b2` and `b3`, moved onto the nearest side where rounding of a ray from afar put them
     /// further out than neighbours overlap; and how far that is, in units of the patch's size. In the
     /// lanes that matter.

@@ -1,6 +1,7 @@
 //! What a ray is clipped to: a patch's three side planes (5) and the slab between its least and its
 //! greatest height.
 
+use super::block::Visitor;
 use super::frame::Frame;
 use super::ray::{RAY_EPSILONS, Ray};
 use super::real::{Constant, Mask, Real, Scalar, inlined};
@@ -38,7 +39,7 @@ pub(super) struct Hull<S> {
     pub(super) sphere: Option<Sphere<S>>,
     /// Twice the area, of a flat triangle that is [thin](super::frame::THIN).
     thin: Option<S>,
-    exists: bool,
+    pub(super) exists: bool,
 }
 
 /// A ray's way clipped to where a surface can be, in the ray's parameter: the paper's options 1 to 5
@@ -72,24 +73,28 @@ impl<S: Constant> Hull<S> {
     }
 }
 
-impl<S: Scalar> Hull<S> {
+impl<S: Constant> Hull<S> {
     /// The hull of a patch with these least and greatest heights, or with a sphere in their place; of a
-    /// plane triangle without heights.
+    /// plane triangle, not a thin one, without heights.
     #[inline(always)]
-    pub fn new(
+    pub fn around(
         frame: &Frame<S>,
         normals: &[Vector<S>; 3],
         slab: Option<[S; 2]>,
         sphere: Option<Sphere<S>>,
     ) -> Self {
+        let constant = inlined(
+            #[inline(always)]
+            |value: f64| frame.area2.constant(value),
+        );
         let epsilon = inlined(
             #[inline(always)]
-            |count: f64| S::EPSILON * S::from_f64(count),
+            |count: f64| constant(S::PRECISION * count),
         );
         let up = frame.cross * frame.winding;
         // Of the guides below.
         let longest_guide = match slab {
-            Some(_) => S::from_f64(2.0),
+            Some(_) => constant(2.0),
             None => frame.area2,
         };
         let lengths = roots(frame.lengths2);
@@ -121,7 +126,7 @@ impl<S: Scalar> Hull<S> {
         // A flat triangle's slab has no thickness: there the crossing of its plane decides.
         let [below, above] = match slab {
             Some([least, most]) if sphere.is_none() => [-least * frame.area2, most * frame.area2],
-            _ => [S::from_f64(f64::INFINITY); 2],
+            _ => [constant(f64::INFINITY); 2],
         };
         let level = inlined(
             #[inline(always)]
@@ -133,7 +138,7 @@ impl<S: Scalar> Hull<S> {
         );
         Self {
             origin: frame.origin,
-            unit: S::from_f64(1.0) / frame.size,
+            unit: constant(1.0) / frame.size,
             planes: [
                 side(0, None),
                 side(1, Some(frame.edges[0])),
@@ -142,8 +147,48 @@ impl<S: Scalar> Hull<S> {
                 level(-up, above),
             ],
             sphere,
-            thin: (slab.is_none() && frame.is_thin()).then_some(frame.area2),
+            thin: None,
             exists: true,
+        }
+    }
+}
+
+impl<S: Constant> Plane<S> {
+    #[inline(always)]
+    fn visit(&mut self, at: usize, by: &mut impl Visitor<S>) {
+        by.vector(at, &mut self.normal);
+        by.number(at + 3, &mut self.offset);
+        by.number(at + 4, &mut self.spread);
+    }
+}
+
+impl<S: Constant> Hull<S> {
+    /// Shows all numbers of a hull without a sphere.
+    #[inline(always)]
+    pub fn visit(&mut self, by: &mut impl Visitor<S>) {
+        by.vector(0, &mut self.origin);
+        by.number(3, &mut self.unit);
+        let [a, b, c, d, e] = &mut self.planes;
+        a.visit(4, by);
+        b.visit(9, by);
+        c.visit(14, by);
+        d.visit(19, by);
+        e.visit(24, by);
+    }
+}
+
+impl<S: Scalar> Hull<S> {
+    /// The same of a plane triangle of any height as well.
+    #[inline(always)]
+    pub fn new(
+        frame: &Frame<S>,
+        normals: &[Vector<S>; 3],
+        slab: Option<[S; 2]>,
+        sphere: Option<Sphere<S>>,
+    ) -> Self {
+        Self {
+            thin: (slab.is_none() && frame.is_thin()).then_some(frame.area2),
+            ..Self::around(frame, normals, slab, sphere)
         }
     }
 
@@ -153,7 +198,7 @@ impl<S: Scalar> Hull<S> {
         let [from, along] = localized(ray, self.origin, self.unit);
         let like = ray.tnear;
         let zero = like.constant(0.0);
-        let distance = max_abs(from);
+        let distance = from.max_abs();
         // Not cut at the ray's end, which is the nearest hit so far: the root must not depend on the
         // order in which patches are come by.
         let (mut lo, mut hi) = (like, like.constant(f64::INFINITY));
@@ -229,9 +274,4 @@ pub(super) fn localized<V: Real>(
     let unit = ray.tnear.splat(unit);
     let from = (ray.origin - Vector::splat(ray.tnear, origin)) * unit;
     [from, ray.direction * unit]
-}
-
-#[inline(always)]
-pub(super) fn max_abs<V: Real>(v: Vector<V>) -> V {
-    v.x.abs().greater(v.y.abs()).greater(v.z.abs())
 }

@@ -38,6 +38,14 @@ impl<'a> KeptPatch<'a> {
         Self { corners, record }
     }
 
+    pub(super) fn corners(&self) -> &Corners {
+        &self.corners
+    }
+
+    pub(super) fn record(&self) -> &'a PatchRecord {
+        self.record
+    }
+
     /// What rays are clipped to.
     #[inline(always)]
     pub fn outline(&self) -> Outline<'a, f32> {

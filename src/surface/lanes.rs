@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use fearless_simd::{f32x4, mask32x4, prelude::*};
+use fearless_simd::{f32x4, f32x8, mask32x4, mask32x8, prelude::*};
 
 use super::real::{Constant, Mask, Real, atan2};
 
@@ -147,17 +147,24 @@ lanes! {
     Quad: f32x4<S>, QuadMask: mask32x4<S>, f32,
     |like, value| Self(f32x4::splat(like.0.token(), value)), like.mask(value)
 }
+masks! {
+    /// The same for [`Patches`].
+    PatchMask: mask32x8<S>
+}
 lanes! {
-    /// Constants of as many patches as a register has lanes, one `f32` each.
-    Patches: S::f32s, LaneMask: S::mask32s, Self,
+    /// Constants of eight patches, one `f32` each; and what rays are at them, one each.
+    Patches: f32x8<S>, PatchMask: mask32x8<S>, Self,
     |_like, value| value, value
 }
+
+/// How many patches [`Patches`] are of.
+pub(super) const PATCHES: usize = 8;
 
 impl<S: Simd> Constant for Patches<S> {
     const PRECISION: f64 = f32::EPSILON as f64;
 
     #[inline(always)]
     fn power_of_two(self) -> Self {
-        Self(S::f32s::from_bits(self.0.to_bits() & 0x7f80_0000))
+        Self(f32x8::from_bits(self.0.to_bits() & 0x7f80_0000))
     }
 }

@@ -16,8 +16,10 @@
 // The product rule.
 #![allow(clippy::suspicious_arithmetic_impl)]
 
+mod block;
 mod bounds;
 mod boxes;
+mod choice;
 mod correction;
 mod crossing;
 mod dual;
@@ -50,6 +52,7 @@ mod packet_tests;
 #[cfg(test)]
 mod tests;
 
+pub use block::{PairHit, PairHits, PatchBlock};
 pub use dual::Dual;
 pub use finish::MAX_PARTS;
 pub use flags::{BoundsKind, PatchFlags, Surface};

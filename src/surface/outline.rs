@@ -13,7 +13,7 @@ use super::vector::Vector;
 /// A patch's side planes and slab: what tells most rays that they miss, for a small part of what the
 /// whole patch costs.
 #[derive(Clone, Copy, Debug)]
-pub struct Outline<'a, S> {
+pub struct Outline<'a, S: Real> {
     frame: Option<Frame<S>>,
     hull: Hull<S>,
     origin: Vector<S>,

@@ -187,7 +187,12 @@ fn single<S: Simd>(
 }
 
 /// [`Patch::searched`] of one ray, which samples F at all parts' ends at once, one a lane.
-fn search<S: Simd>(simd: S, patch: &Patch<f32>, segment: Segment<f32>, solver: Solver) -> Hit<f32> {
+pub(super) fn search<S: Simd>(
+    simd: S,
+    patch: &Patch<f32>,
+    segment: Segment<f32>,
+    solver: Solver,
+) -> Hit<f32> {
     simd.vectorize(
         #[inline(always)]
         || {
@@ -328,7 +333,7 @@ fn trace<S: Simd>(
 }
 
 #[inline(always)]
-fn load_ray<S: Simd>(simd: S, rays: &RayLanes<'_>, first: usize) -> Ray<Lanes<S>> {
+pub(super) fn load_ray<S: Simd>(simd: S, rays: &RayLanes<'_>, first: usize) -> Ray<Lanes<S>> {
     let load_vector = inlined(
         #[inline(always)]
         |[x, y, z]: [&[f32]; 3]| -> Vector<Lanes<S>> {

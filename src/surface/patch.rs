@@ -5,6 +5,7 @@
 //! in both triangles that share it.
 
 use super::bounds::{self, HeightNet};
+use super::choice::Choice;
 use super::correction;
 use super::crossing;
 use super::flags::{BoundsKind, PatchFlags, Surface};
@@ -83,6 +84,21 @@ pub(super) struct Vertex<S> {
     pub inverse_angle: S,
 }
 
+/// The frame of the longest side: because on a needle the gradients' rounding would shift points along it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Base<S: Constant> {
+    /// Which side that is.
+    pub side: Choice<S>,
+    /// Its first vertex.
+    pub corner: Vector<S>,
+    /// Its edge over its squared length.
+    pub along: Vector<S>,
+    /// The gradient of the opposite vertex's coordinate.
+    pub across: Vector<S>,
+    /// Its [`Side::foot`].
+    pub foot: S,
+}
+
 /// A curved triangle, ready for rays.
 ///
 /// `S` is `f32` or `f64`; the `f64` patch of the same vertices is the oracle for the `f32` one.
@@ -102,11 +118,8 @@ pub struct Patch<S: Constant> {
     pub(super) gradients: [Vector<S>; 3],
     pub(super) sides: [Side<S>; 3],
     pub(super) vertices: [Vertex<S>; 3],
-    /// The longest side: the frame in which rays are set up, because on a needle the gradients'
-    /// rounding would shift points along it.
-    pub(super) base: usize,
-    /// The longest side's edge over its squared length.
-    pub(super) along_base: Vector<S>,
+    /// The frame in which rays are set up.
+    pub(super) base: Base<S>,
     /// Twice the area.
     pub(super) area2: S,
     /// Least and greatest height of the surface over its plane.
@@ -213,54 +226,6 @@ impl<S: Scalar> Patch<S> {
         self.hull.sphere.as_ref()
     }
 
-    /// A patch without area.
-    pub(super) fn empty(origin: Vector<S>) -> Self {
-        let zero = S::from_f64(0.0);
-        let none = vector(zero, zero, zero);
-        let side = Side {
-            length2: zero,
-            height: zero,
-            per_height: zero,
-            foot: zero,
-            lean: zero,
-            tilt: zero,
-            rise: [zero; 2],
-            obtuse: false,
-            bend: [zero; 2],
-            bulge: zero,
-            damping: zero,
-            correction: [zero; 3],
-            loose: [false; 2],
-        };
-        let vertex = Vertex {
-            normal: zero,
-            inward: [zero; 3],
-            between: zero,
-            inverse_angle: zero,
-        };
-        Self {
-            hull: Hull::empty(origin),
-            origin,
-            size: S::from_f64(1.0),
-            spokes: [none; 2],
-            normal: none,
-            winding: S::from_f64(1.0),
-            gradients: [none; 3],
-            sides: [side; 3],
-            vertices: [vertex; 3],
-            base: 0,
-            along_base: none,
-            area2: zero,
-            slab: [zero; 2],
-            rule: Rule::Flat,
-            any_obtuse: false,
-            any_loose: false,
-            kind: PatchKind::Degenerate,
-            steepness: u8::MAX,
-            steep: crossing::steep(zero, u8::MAX),
-        }
-    }
-
     /// Why the triangle has to be flat whatever it would be curved to.
     fn flat_reason(&self, normals: &[Vector<S>; 3], flags: PatchFlags) -> Option<FlatReason> {
         if flags.is_plane() {
@@ -337,7 +302,76 @@ impl<S: Scalar> Patch<S> {
     }
 }
 
+impl<S: Constant> Base<S> {
+    #[inline(always)]
+    fn new(frame: &Frame<S>, plane: &Plane<S>, sides: &[Side<S>; 3]) -> Self {
+        let (side, zero) = (frame.longest, frame.area2.constant(0.0));
+        let ([a, b, c], [first, second, third]) = (frame.edges, plane.gradients);
+        Self {
+            side,
+            corner: side.pick_vector([vector(zero, zero, zero), a, -c]),
+            along: side.pick_vector([a, b, c]) * side.pick(plane.per_length2),
+            across: side.pick_vector([third, first, second]),
+            foot: side.pick([sides[0].foot, sides[1].foot, sides[2].foot]),
+        }
+    }
+}
+
 impl<S: Constant> Patch<S> {
+    /// A patch without area.
+    #[inline(always)]
+    pub(super) fn empty(origin: Vector<S>) -> Self {
+        let (zero, one) = (origin.x.constant(0.0), origin.x.constant(1.0));
+        let none = vector(zero, zero, zero);
+        let side = Side {
+            length2: zero,
+            height: zero,
+            per_height: zero,
+            foot: zero,
+            lean: zero,
+            tilt: zero,
+            rise: [zero; 2],
+            obtuse: zero.mask(false),
+            bend: [zero; 2],
+            bulge: zero,
+            damping: zero,
+            correction: [zero; 3],
+            loose: [false; 2],
+        };
+        let vertex = Vertex {
+            normal: zero,
+            inward: [zero; 3],
+            between: zero,
+            inverse_angle: zero,
+        };
+        Self {
+            hull: Hull::empty(origin),
+            origin,
+            size: one,
+            spokes: [none; 2],
+            normal: none,
+            winding: one,
+            gradients: [none; 3],
+            sides: [side; 3],
+            vertices: [vertex; 3],
+            base: Base {
+                side: Choice::only(zero, 0),
+                corner: none,
+                along: none,
+                across: none,
+                foot: zero,
+            },
+            area2: zero,
+            slab: [zero; 2],
+            rule: Rule::Flat,
+            any_obtuse: false,
+            any_loose: false,
+            kind: PatchKind::Degenerate,
+            steepness: u8::MAX,
+            steep: zero.constant(2.0), // no ray is
+        }
+    }
+
     /// The patch of a triangle, without the correction, the slab and the steepness.
     #[inline(always)]
     pub(super) fn laid(frame: &Frame<S>, normals: &[Vector<S>; 3], flags: PatchFlags) -> Self {
@@ -368,14 +402,13 @@ impl<S: Constant> Patch<S> {
             any_loose: (0..3).any(|k| flags.is_straight(k)),
             sides,
             vertices,
-            base: frame.longest,
-            along_base: frame.edges[frame.longest] * plane.per_length2[frame.longest],
+            base: Base::new(frame, &plane, &sides),
             area2: frame.area2,
             slab: [zero; 2],
             rule: Rule::of(flags.surface()),
             kind: PatchKind::Curved,
             steepness: u8::MAX,
-            steep: crossing::steep(zero, u8::MAX),
+            steep: zero.constant(2.0), // no ray is
         };
         each(
             #[inline(always)]
@@ -394,7 +427,7 @@ impl<S: Constant> Patch<S> {
     #[inline(always)]
     pub(super) fn set_steepness(&mut self, steepness: u8) {
         self.steepness = steepness;
-        self.steep = crossing::steep(self.area2, steepness);
+        self.steep = crossing::steep(self.area2.constant(steepness.into()));
     }
 
     /// Sets the angles at the vertices, which only the angular rule asks for.

@@ -1,15 +1,15 @@
 //! Many triangles made into patches at once, one in each SIMD lane: what is kept of them and their
 //! boxes, bit for bit what [`Patch::new`] makes of each alone.
 
-use fearless_simd::{Level, dispatch, prelude::*};
+use fearless_simd::{Level, dispatch, f32x8, prelude::*};
 
+use super::choice::Choice;
 use super::crossing;
 use super::flags::{BoundsKind, PatchFlags, Surface};
 use super::folds;
 use super::frame::{Frame, SLIVER_AREA};
 use super::kept::Corners;
-use super::lanes::{LaneMask, Patches};
-use super::packet::MAX_LANES;
+use super::lanes::{PATCHES, PatchMask, Patches};
 use super::patch::{Patch, PatchKind, Rule};
 use super::real::three;
 use super::record::{Heights, PatchRecord};
@@ -59,12 +59,12 @@ impl Prepared {
     }
 }
 
-/// A register's lanes of triangles at a time; those that the method does not take as they are, one by
+/// Eight triangles at a time; those that the method does not take as they are, one by
 /// one: there are few.
 #[inline(always)]
 fn each_in_lanes<S: Simd>(simd: S, triangles: &[Corners], flags: PatchFlags, take: Take<'_>) {
     let mut made = Made::default();
-    for (n, group) in triangles.chunks(S::f32s::LEN).enumerate() {
+    for (n, group) in triangles.chunks(PATCHES).enumerate() {
         let taken = make(simd, group, flags, &mut made);
         for (lane, triangle) in group.iter().enumerate() {
             let prepared = if taken & 1 << lane != 0 {
@@ -72,7 +72,7 @@ fn each_in_lanes<S: Simd>(simd: S, triangles: &[Corners], flags: PatchFlags, tak
             } else {
                 Prepared::new(triangle, flags)
             };
-            take(n * S::f32s::LEN + lane, prepared);
+            take(n * PATCHES + lane, prepared);
         }
     }
 }
@@ -80,7 +80,7 @@ fn each_in_lanes<S: Simd>(simd: S, triangles: &[Corners], flags: PatchFlags, tak
 /// A triangle's frame and its normals.
 type Laid = (Frame<f32>, [Vector<f32>; 3]);
 
-/// Makes patches of as many triangles as a register has lanes, or fewer; one bit a lane for those that
+/// Makes patches of up to eight triangles; one bit a lane for those that
 /// are curved by the rule that the surface asks for.
 #[inline(always)]
 fn make<S: Simd>(simd: S, group: &[Corners], flags: PatchFlags, made: &mut Made) -> u64 {
@@ -100,8 +100,8 @@ fn make<S: Simd>(simd: S, group: &[Corners], flags: PatchFlags, made: &mut Made)
         Rule::Tensor => looked_at.tame,
         _ => looked_at.reaches,
     };
-    let LaneMask(stands) = !(folds::shears(&patch) | folds::folds(&patch));
-    let LaneMask(near) = patch.agrees(&normals) & fits & looked_at.low;
+    let PatchMask(stands) = !(folds::shears(&patch) | folds::folds(&patch));
+    let PatchMask(near) = patch.agrees(&normals) & fits & looked_at.low;
     taken &= (near & stands).to_bitmask();
     if taken != 0 {
         if flags.surface() == Surface::Smooth {
@@ -131,7 +131,7 @@ fn make<S: Simd>(simd: S, group: &[Corners], flags: PatchFlags, made: &mut Made)
 /// The frames of the triangles that have a plane, one bit each, and something in the other lanes; none
 /// where no triangle has.
 #[inline(always)]
-fn lay(group: &[Corners]) -> Option<(u64, [Laid; MAX_LANES])> {
+fn lay(group: &[Corners]) -> Option<(u64, [Laid; PATCHES])> {
     let frame = |triangle: &Corners| {
         let frame = Frame::new(&triangle.positions, &triangle.normals);
         frame.filter(|frame| frame.area2 >= SLIVER_AREA as f32)
@@ -139,7 +139,7 @@ fn lay(group: &[Corners]) -> Option<(u64, [Laid; MAX_LANES])> {
     let first = group
         .iter()
         .position(|triangle| frame(triangle).is_some())?;
-    let mut laid = [(frame(&group[first])?, group[first].normals); MAX_LANES];
+    let mut laid = [(frame(&group[first])?, group[first].normals); PATCHES];
     let mut there = 0;
     for (lane, triangle) in group.iter().enumerate().skip(first) {
         if let Some(frame) = frame(triangle) {
@@ -154,15 +154,15 @@ fn lay(group: &[Corners]) -> Option<(u64, [Laid; MAX_LANES])> {
 #[inline(always)]
 fn in_lanes<S: Simd>(
     simd: S,
-    laid: &[Laid; MAX_LANES],
+    laid: &[Laid; PATCHES],
 ) -> (Frame<Patches<S>>, [Vector<Patches<S>>; 3]) {
     macro_rules! number {
         ($of:expr) => {{
-            let mut column = [0.0; MAX_LANES];
+            let mut column = [0.0; PATCHES];
             for (to, from) in column.iter_mut().zip(laid) {
                 *to = $of(from);
             }
-            Patches(S::f32s::from_slice(simd, &column[..S::f32s::LEN]))
+            Patches(f32x8::from_slice(simd, &column))
         }};
     }
     macro_rules! vector {
@@ -186,7 +186,7 @@ fn in_lanes<S: Simd>(
             |k| number!(|(frame, _): &Laid| frame.lengths2[k]),
         ),
         // Only rays ask for it.
-        longest: 0,
+        longest: Choice::only(number!(|(frame, _): &Laid| frame.area2), 0),
         cross: vector!(|(frame, _): &Laid| frame.cross),
         area2: number!(|(frame, _): &Laid| frame.area2),
         winding: number!(|(frame, _): &Laid| frame.winding),
@@ -199,7 +199,7 @@ fn in_lanes<S: Simd>(
 }
 
 /// A number a lane.
-type Column = [f32; MAX_LANES];
+type Column = [f32; PATCHES];
 
 /// What patches in lanes were made into.
 #[derive(Default)]
@@ -231,8 +231,8 @@ impl Made {
 
 #[inline(always)]
 fn column<S: Simd>(numbers: Patches<S>) -> Column {
-    let mut column = [0.0; MAX_LANES];
-    numbers.0.store_slice(&mut column[..S::f32s::LEN]);
+    let mut column = [0.0; PATCHES];
+    numbers.0.store_slice(&mut column);
     column
 }
 

@@ -2,8 +2,8 @@
 //! root is the hit.
 
 use super::frame::THIN;
-use super::hull::{Interval, max_abs};
-use super::patch::{Patch, Rule, next};
+use super::hull::Interval;
+use super::patch::{Patch, Rule};
 use super::real::{Constant, Mask, Real, Scalar, inlined, three};
 use super::vector::Vector;
 
@@ -74,7 +74,11 @@ impl<S: Scalar> Ray<S> {
 /// Whether a patch is a flat triangle so thin that rounding along its plane matters.
 #[inline(always)]
 pub(super) fn is_thin<S: Scalar>(patch: &Patch<S>) -> bool {
-    patch.rule == Rule::Flat && patch.sides[patch.base].height < S::from_f64(THIN)
+    let height = patch.base.side.constant(
+        #[inline(always)]
+        |k| patch.sides[k].height,
+    );
+    patch.rule == Rule::Flat && height < S::from_f64(THIN)
 }
 
 /// How many numbers a segment is made of.
@@ -102,20 +106,18 @@ impl<V: Real> Segment<V> {
     /// The part of the ray within an interval. It begins anew at the entry: the steps along the ray are
     /// then small against its position.
     #[inline(always)]
-    pub(super) fn new<S: Scalar>(patch: &Patch<S>, ray: &Ray<V>, interval: &Interval<V>) -> Self
+    pub(super) fn new<S: Constant>(patch: &Patch<S>, ray: &Ray<V>, interval: &Interval<V>) -> Self
     where
         V: Real<Scalar = S>,
     {
         let [from, along] = patch.localize(ray);
-        let distance = max_abs(from);
+        let distance = from.max_abs();
         let alive = interval.alive;
         let entry = V::select(alive, interval.start, ray.tnear);
         let local = Self::unclipped(patch, from + along * entry, along, entry, ray.tfar);
-        let epsilons = distance.splat(S::EPSILON * S::from_f64(RAY_EPSILONS));
-        let stray_room =
-            distance * epsilons + distance.splat(S::EPSILON * S::from_f64(STRAY_EPSILONS));
-        let exit_room =
-            distance * epsilons + distance.splat(S::EPSILON * S::from_f64(CLEARANCE_EPSILONS));
+        let epsilons = distance.constant(S::PRECISION * RAY_EPSILONS);
+        let stray_room = distance * epsilons + distance.constant(S::PRECISION * STRAY_EPSILONS);
+        let exit_room = distance * epsilons + distance.constant(S::PRECISION * CLEARANCE_EPSILONS);
         let entered = ray.tnear.less(interval.start);
         Self {
             length: interval.length,
@@ -129,7 +131,7 @@ impl<V: Real> Segment<V> {
 
     /// The whole line, from the ray's origin on.
     #[cfg(test)]
-    pub(super) fn unclipped_at_start<S: Scalar>(patch: &Patch<S>, ray: &Ray<V>) -> Self
+    pub(super) fn unclipped_at_start<S: Constant>(patch: &Patch<S>, ray: &Ray<V>) -> Self
     where
         V: Real<Scalar = S>,
     {
@@ -138,7 +140,7 @@ impl<V: Real> Segment<V> {
     }
 
     #[inline(always)]
-    fn unclipped<S: Scalar>(
+    fn unclipped<S: Constant>(
         patch: &Patch<S>,
         from: Vector<V>,
         along: Vector<V>,
@@ -151,24 +153,14 @@ impl<V: Real> Segment<V> {
         let like = start;
         let (zero, one) = (like.constant(0.0), like.constant(1.0));
         let normal = Vector::splat(like, patch.normal);
-        let (i, j, m) = (patch.base, next(patch.base), next(next(patch.base)));
-        let corner = match i {
-            0 => from,
-            _ => from - Vector::splat(like, patch.spokes[i - 1]),
-        };
-        let (across, base) = (
-            Vector::splat(like, patch.gradients[m]),
-            Vector::splat(like, patch.along_base),
-        );
-        let foot = like.splat(patch.sides[i].foot);
+        let corner = from - Vector::splat(like, patch.base.corner);
+        let [across, base] = Vector::splat_both(like, [patch.base.across, patch.base.along]);
+        let (side, foot) = (patch.base.side.in_lanes(like), like.splat(patch.base.foot));
         let coordinates = inlined(
             #[inline(always)]
             |b_m: V, x: V, sum: V| {
-                let mut b = [zero; 3];
-                b[m] = b_m;
-                b[j] = x - foot * b_m;
-                b[i] = sum - b[j] - b_m;
-                b
+                let b_j = x - foot * b_m;
+                side.placed([sum - b_j - b_m, b_j, b_m])
             },
         );
         Self {

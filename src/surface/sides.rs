@@ -1,6 +1,7 @@
 //! What a patch knows of its plane and its sides, laid out from a triangle's frame: with as few
 //! divisions and roots as there can be, and three of a kind at once, since rays wait for it.
 
+use super::block::Visitor;
 use super::flags::{PatchFlags, Surface};
 use super::frame::Frame;
 use super::patch::next;
@@ -42,6 +43,29 @@ pub(super) struct Side<S: Real> {
     /// Whether the other side at either end is straight, though the vertex's normal leans along
     /// it: there the surface cannot keep the vertex's tangent plane, and the slope does not vanish.
     pub loose: [bool; 2],
+}
+
+impl<S: Constant> Side<S> {
+    /// Shows all numbers of a side that is not straight and has no loose end, sixteen from `at` on.
+    #[inline(always)]
+    pub fn visit(&mut self, at: usize, by: &mut impl Visitor<S>) {
+        by.number(at + 0, &mut self.length2);
+        by.number(at + 1, &mut self.height);
+        by.number(at + 2, &mut self.per_height);
+        by.number(at + 3, &mut self.foot);
+        by.number(at + 4, &mut self.lean);
+        by.number(at + 5, &mut self.tilt);
+        by.number(at + 6, &mut self.rise[0]);
+        by.number(at + 7, &mut self.rise[1]);
+        by.truth(at + 8, &mut self.obtuse);
+        by.number(at + 9, &mut self.bend[0]);
+        by.number(at + 10, &mut self.bend[1]);
+        by.number(at + 11, &mut self.bulge);
+        by.number(at + 12, &mut self.damping);
+        by.number(at + 13, &mut self.correction[0]);
+        by.number(at + 14, &mut self.correction[1]);
+        by.number(at + 15, &mut self.correction[2]);
+    }
 }
 
 /// A triangle's plane.

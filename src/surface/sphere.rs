@@ -15,7 +15,7 @@
 
 use super::bounds::HeightNet;
 use super::frame::Frame;
-use super::hull::{OVERLAP_EPSILONS, max_abs};
+use super::hull::OVERLAP_EPSILONS;
 use super::patch::{Patch, next};
 use super::range::Range;
 use super::ray::RAY_EPSILONS;
@@ -69,19 +69,17 @@ impl<S: Scalar> Sphere<S> {
     /// The sphere on the circumscribed circle, or the limited one.
     #[inline]
     fn on_circle(frame: &Frame<S>) -> Self {
-        let i = frame.longest;
-        let (edge, length2) = (frame.edges[i], frame.lengths2[i]);
+        let longest = frame.longest;
+        let edge = longest.pick_vector(frame.edges);
+        let length2 = longest.pick(frame.lengths2);
         let length = length2.sqrt();
-        let corner = match i {
-            0 => vector(S::from_f64(0.0), S::from_f64(0.0), S::from_f64(0.0)),
-            1 => frame.edges[0],
-            _ => -frame.edges[2],
-        };
+        let [a, b, c] = frame.edges;
+        let corner = longest.pick_vector([a * S::from_f64(0.0), a, -c]);
         let half = S::from_f64(0.5);
         let middle = corner + edge * half;
         let inward = frame.cross.cross(edge) * (S::from_f64(1.0) / (frame.area2 * length));
         let height = frame.area2 / length;
-        let foot = -frame.edges[next(next(i))].dot(edge) / length2;
+        let foot = -longest.pick_vector([c, a, b]).dot(edge) / length2;
         // How far the centre lies inward of the middle: as far from the opposite vertex as from the
         // side's ends.
         let beside = length2 * foot * (S::from_f64(1.0) - foot);
@@ -208,7 +206,7 @@ impl<S: Scalar> Sphere<S> {
         let guard = distance * ulps + like.splat(S::EPSILON * S::from_f64(OVERLAP_EPSILONS));
         let radius = like.splat(self.radius) + guard;
         // Squares of very short and of very long directions are out of range.
-        let scale = like.constant(1.0) / max_abs(along);
+        let scale = like.constant(1.0) / along.max_abs();
         let direction = along * scale;
         let length2 = direction.dot(direction);
         let to_start = from - Vector::splat(like, self.centre);
@@ -406,7 +404,7 @@ mod tests {
             let away = random.between(0.0, 30.0);
             let from = Vector::<f32>::from_f64(centre + beside - direction * away);
             let along = Vector::<f32>::from_f64(direction * length);
-            let (enter, leave, meets) = sphere.chord(from, along, max_abs(from));
+            let (enter, leave, meets) = sphere.chord(from, along, from.max_abs());
             // The same in doubles, without a guard.
             let (m, d) = (from.to_f64() - centre, along.to_f64() * (1.0 / length));
             let nearest = -m.dot(d) / d.dot(d);

@@ -44,6 +44,11 @@ impl<R: Arithmetic> Vector<R> {
 }
 
 impl<R: Real> Vector<R> {
+    /// The largest absolute component.
+    #[inline(always)]
+    pub fn max_abs(self) -> R {
+        self.x.abs().greater(self.y.abs()).greater(self.z.abs())
+    }
     /// The Euclidean length.
     #[inline(always)]
     pub fn length(self) -> R {
@@ -79,11 +84,6 @@ impl<R: Scalar> Vector<R> {
     /// Whether no component is infinite or NaN.
     pub fn is_finite(self) -> bool {
         self.x.is_finite() && self.y.is_finite() && self.z.is_finite()
-    }
-    /// The largest absolute component.
-    #[inline(always)]
-    pub fn max_abs(self) -> R {
-        self.x.abs().greater(self.y.abs()).greater(self.z.abs())
     }
 }
 
