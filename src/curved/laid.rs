@@ -6,7 +6,7 @@ use std::cell::RefCell;
 use crate::surface::{KeptPatch, PairHits, PatchBlock};
 
 /// How many clusters a thread keeps, about 4 kB each: as many as its processor's own cache holds.
-const SLOTS: usize = 64;
+const SLOTS: usize = 128;
 /// In place of a mesh's number where a slot is empty.
 const NO_MESH: u64 = 0;
 
