@@ -3,7 +3,7 @@
 use std::ops::DerefMut;
 
 use super::CurvedMesh;
-use super::clusters::{Cluster, PacketEntries, SIZE};
+use super::clusters::{Cluster, SIZE};
 use super::counters::{count, count_callback};
 use super::laid::Laid;
 use crate::embree::{Bounds, IntersectQuery, OccludedQuery, QueryRays, SurfaceHit, UserGeometry};
@@ -94,7 +94,11 @@ impl CurvedMesh {
         }
         let mut entries = cluster.packet_entries(&ray_lanes(query), query.valid());
         if matches!(self.solver, Solver::Finish { .. }) && !query.has_filters() {
-            self.trace_block(query, (prim, cluster), &mut entries, normals, report);
+            let left = self.trace_block(query, (prim, cluster), entries.met(), normals, report);
+            if left == 0 {
+                return;
+            }
+            entries.keep(left);
         }
         // Lanes that are occluded by now are valid no more.
         while let Some((n, lanes)) = entries.next(query.tfar(), query.valid()) {
@@ -103,34 +107,33 @@ impl CurvedMesh {
     }
 
     /// Offers the first roots of a query's rays on those triangles of a cluster that can be laid out side by
-    /// side, and counts their boxes as met no more.
+    /// side, for each of the rays in the lanes of `met`; gives the places of the others that rays may meet, one
+    /// bit each.
     fn trace_block<'a, Q: DerefMut<Target = QueryRays<'a>>>(
         &self,
         query: &mut Q,
         (prim, cluster): (u32, &Cluster),
-        entries: &mut PacketEntries,
+        met: &[u32; SIZE],
         normals: bool,
         report: impl Fn(&mut Q, usize, SurfaceHit) -> bool,
-    ) {
-        let asked = entries.met().iter().enumerate();
+    ) -> u32 {
+        let asked = met.iter().enumerate();
         let asked = asked.fold(0, |asked, (n, &lanes)| asked | u32::from(lanes != 0) << n);
         if asked == 0 {
-            return;
+            return 0;
         }
-        let laid = Laid::with(|laid| {
+        Laid::with(|laid| {
             let (slot, hits) = laid.cluster(self.number, prim);
             let laid = slot.lay(asked, |n| self.kept(cluster.triangle(n)));
-            let (rays, met) = (ray_lanes(query), entries.met());
+            let (rays, solver) = (ray_lanes(query), self.solver);
             slot.block
-                .intersect_packet(&rays, met, self.solver, normals, hits);
-            let calls = (0..SIZE)
-                .filter(|n| laid & 1 << n != 0)
-                .map(|n| met[n].count_ones());
-            let evaluations = hits.evaluations;
+                .intersect_packet(&rays, met, solver, normals, hits);
+            let tested = (0..SIZE).filter(|n| laid & 1 << n != 0);
+            let calls = tested.map(|n| met[n].count_ones()).sum::<u32>();
             count(
                 laid.count_ones().into(),
-                calls.sum::<u32>().into(),
-                evaluations.into(),
+                calls.into(),
+                hits.evaluations.into(),
             );
             for hit in hits.iter() {
                 query.set_prim_id(cluster.triangle(hit.patch));
@@ -138,9 +141,8 @@ impl CurvedMesh {
                 let ng = hit.normal.into();
                 report(query, hit.lane, SurfaceHit { t, u, v, ng });
             }
-            laid
-        });
-        entries.leave(laid);
+            asked & !laid
+        })
     }
 
     /// Offers the roots of some of a query's rays on a triangle.

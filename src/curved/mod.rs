@@ -4,6 +4,7 @@
 mod advice;
 mod clusters;
 mod counters;
+mod entries;
 mod geometry;
 mod inspection;
 mod kinds;

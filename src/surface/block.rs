@@ -161,6 +161,16 @@ impl PatchBlock {
 
     /// Lays out some patches, one bit each, that [fit](KeptPatch::fits_block) and are of one surface.
     pub fn lay<'a>(&mut self, which: u32, of: impl Fn(usize) -> KeptPatch<'a>) {
+        self.lay_at(Level::new(), which, of);
+    }
+
+    /// The same with the instructions of one level.
+    pub(super) fn lay_at<'a>(
+        &mut self,
+        level: Level,
+        which: u32,
+        of: impl Fn(usize) -> KeptPatch<'a>,
+    ) {
         let mut columns = [[0.0; PATCHES]; SOURCE];
         let (mut left, mut flags) = (which, PatchFlags::default());
         while left != 0 {
@@ -181,7 +191,7 @@ impl PatchBlock {
             left &= left - 1;
         }
         if which != 0 {
-            dispatch!(Level::new(), simd => self.lay_columns(simd, which, flags, &columns));
+            dispatch!(level, simd => self.lay_columns(simd, which, flags, &columns));
         }
     }
 

@@ -74,7 +74,7 @@ impl<S: Constant> Frame<S> {
     }
 
     #[inline(always)]
-    fn oriented(self, normals: &[Vector<S>; 3]) -> Self {
+    pub fn oriented(self, normals: &[Vector<S>; 3]) -> Self {
         let one = self.area2.constant(1.0);
         let agreement = self.cross.dot(normals[0] + normals[1] + normals[2]);
         let winding = S::select(agreement.less(one.constant(0.0)), -one, one);

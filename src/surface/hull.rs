@@ -21,12 +21,13 @@ const UP: usize = 3;
 /// A half-space that the surface lies in, with room for rounding. Nothing is normalised: only the
 /// sign counts, and where it changes along a ray.
 #[derive(Clone, Copy, Debug)]
-struct Plane<S> {
+pub(super) struct Plane<S> {
     /// Inward.
-    normal: Vector<S>,
-    offset: S,
-    /// How much further out for a unit of the distance that rays come from.
-    spread: S,
+    pub normal: Vector<S>,
+    pub offset: S,
+    /// How much further out for a unit of the distance that rays come from: of rounding, by so many epsilons
+    /// of it; the normal is about as long.
+    pub spread: S,
 }
 
 /// The planes around a patch, five in the same form, so that all can be looked at at once.
@@ -87,10 +88,6 @@ impl<S: Constant> Hull<S> {
             #[inline(always)]
             |value: f64| frame.area2.constant(value),
         );
-        let epsilon = inlined(
-            #[inline(always)]
-            |count: f64| constant(S::PRECISION * count),
-        );
         let up = frame.cross * frame.winding;
         // Of the guides below.
         let longest_guide = match slab {
@@ -100,55 +97,74 @@ impl<S: Constant> Hull<S> {
         let lengths = roots(frame.lengths2);
         let side = inlined(
             #[inline(always)]
-            |k: usize, from_origin: Option<Vector<S>>| {
-                let edge = frame.edges[k];
+            |k: usize| {
                 // The guides' plane through the side; it stands upright where the triangle is flat.
                 let guide = match slab {
                     Some(_) => normals[k] + normals[(k + 1) % 3],
                     None => up,
                 };
-                let normal = guide.cross(edge) * frame.winding;
-                // The value at the opposite vertex: a barycentric coordinate of 1.
-                let whole = guide.dot(up);
-                let overlap = whole * epsilon(OVERLAP_EPSILONS);
-                Plane {
-                    normal,
-                    offset: match from_origin {
-                        Some(way) => overlap - normal.dot(way),
-                        None => overlap,
-                    },
-                    // RAY_EPSILONS of the distance: the normal is about as long as this.
-                    spread: longest_guide * lengths[k] * epsilon(RAY_EPSILONS),
-                }
+                let reach = longest_guide * lengths[k];
+                Plane::of_sides(frame.edges[k], guide, up, frame.winding, reach)
             },
         );
-        let room = frame.area2 * epsilon(RAY_EPSILONS);
         // A flat triangle's slab has no thickness: there the crossing of its plane decides.
         let [below, above] = match slab {
             Some([least, most]) if sphere.is_none() => [-least * frame.area2, most * frame.area2],
             _ => [constant(f64::INFINITY); 2],
         };
-        let level = inlined(
-            #[inline(always)]
-            |normal: Vector<S>, offset: S| Plane {
-                normal,
-                offset,
-                spread: room,
-            },
-        );
         Self {
             origin: frame.origin,
             unit: constant(1.0) / frame.size,
             planes: [
-                side(0, None),
-                side(1, Some(frame.edges[0])),
-                side(2, None),
-                level(up, below),
-                level(-up, above),
+                side(0),
+                side(1).through(frame.edges[0]),
+                side(2),
+                Plane::level(up, below, frame.area2),
+                Plane::level(-up, above, frame.area2),
             ],
             sphere,
             thin: None,
             exists: true,
+        }
+    }
+}
+
+impl<V: Real> Plane<V> {
+    /// Through a side that begins at the origin, along a guide of the side of any length; `up` is the
+    /// triangle's normal, twice its area long, and `reach` is about as long as the normal will be.
+    #[inline(always)]
+    pub fn of_sides(
+        edge: Vector<V>,
+        guide: Vector<V>,
+        up: Vector<V>,
+        winding: V,
+        reach: V,
+    ) -> Self {
+        // The value at the opposite vertex: a barycentric coordinate of 1.
+        let whole = guide.dot(up);
+        Self {
+            normal: guide.cross(edge) * winding,
+            offset: whole * whole.constant(V::Scalar::PRECISION * OVERLAP_EPSILONS),
+            spread: reach * reach.constant(V::Scalar::PRECISION * RAY_EPSILONS),
+        }
+    }
+
+    /// The same where the side begins elsewhere.
+    #[inline(always)]
+    pub fn through(self, way: Vector<V>) -> Self {
+        Self {
+            offset: self.offset - self.normal.dot(way),
+            ..self
+        }
+    }
+
+    /// Across the triangle's normal or its opposite, that far from the origin times twice the area.
+    #[inline(always)]
+    pub fn level(normal: Vector<V>, offset: V, area2: V) -> Self {
+        Self {
+            normal,
+            offset,
+            spread: area2 * area2.constant(V::Scalar::PRECISION * RAY_EPSILONS),
         }
     }
 }

@@ -44,6 +44,7 @@ mod ray;
 mod real;
 mod record;
 mod sides;
+mod single;
 mod sphere;
 mod vector;
 

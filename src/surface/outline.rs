@@ -14,7 +14,7 @@ use super::vector::Vector;
 /// whole patch costs.
 #[derive(Clone, Copy, Debug)]
 pub struct Outline<'a, S: Real> {
-    frame: Option<Frame<S>>,
+    pub(super) frame: Option<Frame<S>>,
     hull: Hull<S>,
     origin: Vector<S>,
     normals: [Vector<S>; 3],
@@ -76,27 +76,37 @@ impl<'a, S: Scalar> Outline<'a, S> {
     /// The patch without what rays are clipped to.
     #[inline(always)]
     pub(super) fn surface(&self) -> Patch<S> {
-        let Some(frame) = &self.frame else {
-            return Patch::empty(self.origin);
-        };
-        let mut patch = Patch::laid(frame, &self.normals, self.record.flags());
-        patch.kind = self.record.kind();
-        match patch.kind {
-            PatchKind::Curved | PatchKind::Degenerate => {}
-            PatchKind::Fallback => patch.rule = Rule::Angular,
-            PatchKind::Flat(reason) => patch.flatten(reason),
+        match &self.frame {
+            Some(frame) => surface(frame, &self.normals, self.record),
+            None => Patch::empty(self.origin),
         }
-        let Some(slab) = self.record.slab() else {
-            return patch;
-        };
-        patch.slab = slab;
-        patch.set_steepness(self.record.steepness);
-        if patch.rule == Rule::Angular {
-            patch.set_angles();
-        }
-        for (side, kept) in patch.sides.iter_mut().zip(self.record.correction()) {
-            side.correction = kept;
-        }
-        patch
     }
+}
+
+/// The patch of a frame without what rays are clipped to.
+#[inline(always)]
+pub(super) fn surface<S: Scalar>(
+    frame: &Frame<S>,
+    normals: &[Vector<S>; 3],
+    record: &PatchRecord,
+) -> Patch<S> {
+    let mut patch = Patch::laid(frame, normals, record.flags());
+    patch.kind = record.kind();
+    match patch.kind {
+        PatchKind::Curved | PatchKind::Degenerate => {}
+        PatchKind::Fallback => patch.rule = Rule::Angular,
+        PatchKind::Flat(reason) => patch.flatten(reason),
+    }
+    let Some(slab) = record.slab() else {
+        return patch;
+    };
+    patch.slab = slab;
+    patch.set_steepness(record.steepness);
+    if patch.rule == Rule::Angular {
+        patch.set_angles();
+    }
+    for (side, kept) in patch.sides.iter_mut().zip(record.correction()) {
+        side.correction = kept;
+    }
+    patch
 }

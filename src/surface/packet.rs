@@ -8,10 +8,11 @@ use super::hit::{Hit, Solver, Steps};
 use super::hull::Interval;
 use super::kept::KeptPatch;
 use super::lanes::{LaneMask, Lanes, Quad};
-use super::outline::Outline;
+use super::outline::{Outline, surface};
 use super::patch::Patch;
 use super::ray::{Ray, SEGMENT_NUMBERS, Segment};
 use super::real::{Mask, Real, inlined};
+use super::single::Single;
 use super::vector::{Vector, vector};
 
 /// Most rays of a packet.
@@ -134,10 +135,19 @@ impl KeptPatch<'_> {
     ) -> (Hit<f32>, Vector<f32>) {
         let mut found = (Hit::none(0.0), vector(0.0, 0.0, 0.0));
         dispatch!(level, simd => {
-            let outline = self.outline();
-            let interval = outline.clip(ray, true);
-            if !interval.is_empty() {
-                found = single(simd, &outline, &interval, ray, solver, normal);
+            let (interval, frame) = match self.single_slab() {
+                Some(slab) => {
+                    let single = Single::new(simd, self.corners(), slab);
+                    (single.clip(ray), Some(single.frame))
+                }
+                None => {
+                    let outline = self.outline();
+                    (outline.clip(ray, true), outline.frame)
+                }
+            };
+            if let Some(frame) = frame && interval.alive {
+                let patch = surface(&frame, &self.corners().normals, self.record());
+                found = trace_one(simd, &patch, &interval, ray, solver, normal);
             }
         });
         found
@@ -146,15 +156,14 @@ impl KeptPatch<'_> {
 
 /// One ray in all lanes of a quad.
 #[inline(always)]
-fn single<S: Simd>(
+fn trace_one<S: Simd>(
     simd: S,
-    outline: &Outline<'_, f32>,
+    patch: &Patch<f32>,
     interval: &Interval<f32>,
     ray: &Ray<f32>,
     solver: Solver,
     normal: bool,
 ) -> (Hit<f32>, Vector<f32>) {
-    let patch = outline.surface();
     let like = Quad(f32x4::splat(simd, 0.0));
     let hit = patch.intersect_by(
         &interval.in_lanes(like),
@@ -166,7 +175,7 @@ fn single<S: Simd>(
             for (number, lanes) in numbers.iter_mut().zip(segment.numbers()) {
                 *number = lanes.0[0];
             }
-            search(simd, &patch, Segment::from_numbers(numbers, true), solver).in_lanes(like)
+            search(simd, patch, Segment::from_numbers(numbers, true), solver).in_lanes(like)
         },
     );
     let normal = if normal && hit.found.any() {

@@ -86,27 +86,39 @@ fn solvers() -> [Solver; 3] {
     ]
 }
 
-/// Checks every lane of a packet at every level; gives how many hits and misses there were.
-fn check(triangle: &Triangle, rays: &[Ray<f32>], valid: u32, solver: Solver) -> [usize; 2] {
-    let column = |of: fn(&Ray<f32>) -> f32| -> Vec<f32> { rays.iter().map(of).collect() };
-    let (o, d) = (
-        [
+/// Rays, a column a component.
+struct Columns([Vec<f32>; 8]);
+
+impl Columns {
+    fn new(rays: &[Ray<f32>]) -> Self {
+        let column = |of: fn(&Ray<f32>) -> f32| rays.iter().map(of).collect();
+        Self([
             column(|ray| ray.origin.x),
             column(|ray| ray.origin.y),
             column(|ray| ray.origin.z),
-        ],
-        [
             column(|ray| ray.direction.x),
             column(|ray| ray.direction.y),
             column(|ray| ray.direction.z),
-        ],
-    );
-    let packet = RayLanes {
-        origin: o.each_ref().map(Vec::as_slice),
-        direction: d.each_ref().map(Vec::as_slice),
-        tnear: &column(|ray| ray.tnear),
-        tfar: &column(|ray| ray.tfar),
-    };
+            column(|ray| ray.tnear),
+            column(|ray| ray.tfar),
+        ])
+    }
+
+    fn rays(&self) -> RayLanes<'_> {
+        let [x, y, z, dx, dy, dz, tnear, tfar] = self.0.each_ref().map(Vec::as_slice);
+        RayLanes {
+            origin: [x, y, z],
+            direction: [dx, dy, dz],
+            tnear,
+            tfar,
+        }
+    }
+}
+
+/// Checks every lane of a packet at every level; gives how many hits and misses there were.
+fn check(triangle: &Triangle, rays: &[Ray<f32>], valid: u32, solver: Solver) -> [usize; 2] {
+    let columns = Columns::new(rays);
+    let packet = columns.rays();
     let patch = triangle.patch();
     let kept = triangle.kept();
     let mut count = [0; 2];
@@ -204,4 +216,86 @@ fn a_degenerate_patch_has_no_hits() {
     };
     let counts = check(&triangle, &[ray; 16], u32::MAX, Solver::default());
     assert_eq!(counts, [0, 16 * levels().len()]);
+}
+
+/// A triangle that fits a block, of a surface.
+fn fitting(random: &mut Random, surface: Surface) -> Triangle {
+    loop {
+        let (p, normals) = random.triangle(25.0, 0.8);
+        let triangle = Triangle::new(p, normals, PatchFlags::new(surface));
+        if triangle.kept().fits_block() {
+            return triangle;
+        }
+    }
+}
+
+#[test]
+fn every_pair_of_a_block_is_its_ray_and_its_patch_alone() {
+    let mut random = Random(12);
+    let (mut found, mut asked) = (0, 0);
+    for n in 0..80 {
+        let surface = [Surface::Smooth, Surface::Tensor][n % 2];
+        let triangles: Vec<_> = (0..8).map(|_| fitting(&mut random, surface)).collect();
+        let width = [16, 4, 8, 1, 7][n % 5];
+        let rays: Vec<_> = (0..width)
+            .map(|lane| odd_ray(&mut random, &triangles[lane % 8].patch()))
+            .collect();
+        let columns = Columns::new(&rays);
+        // Some triangles are not laid out, some later than others, some lanes not asked for.
+        let batches = [0b0110_1101, 0b0001_0010 >> (n % 3)];
+        let lanes = std::array::from_fn(|k| [0xffff, 0x5a5a, 0, 0xf7ff][(n + k) % 4]);
+        for level in levels() {
+            let mut block = PatchBlock::default();
+            for which in batches {
+                block.lay_at(level, which & !block.laid(), |k| triangles[k].kept());
+            }
+            let mut hits = PairHits::default();
+            let solver = Solver::default();
+            block.intersect_packet_at(level, &columns.rays(), &lanes, solver, true, &mut hits);
+            let mut told = [[None; 16]; 8];
+            for hit in hits.iter() {
+                let place = &mut told[hit.patch][hit.lane];
+                assert!(place.is_none(), "{level:?}: told twice");
+                *place = Some((hit.t, hit.u, hit.v, hit.normal));
+            }
+            for (k, triangle) in triangles.iter().enumerate() {
+                let patch = triangle.patch();
+                for (lane, told) in told[k].into_iter().enumerate() {
+                    let valid = lane < width && lanes[k] >> lane & block.laid() >> k & 1 != 0;
+                    let alone = valid.then(|| patch.intersect(&rays[lane], solver));
+                    let alone = alone
+                        .filter(|hit| hit.found)
+                        .map(|hit| (hit.t, hit.u, hit.v, patch.normal_at(hit.u, hit.v)));
+                    assert_eq!(told, alone, "{level:?}: patch {k}, lane {lane}");
+                    asked += usize::from(valid);
+                    found += usize::from(alone.is_some());
+                }
+            }
+        }
+    }
+    println!("{found} hits of {asked}");
+    assert!(found > 500 && asked > 2 * found, "{found} of {asked}");
+}
+
+#[test]
+fn what_is_not_plainly_curved_fits_no_block() {
+    let mut random = Random(13);
+    let plain = PatchFlags::default();
+    let (p, normals) = random.triangle(10.0, 0.3);
+    assert!(Triangle::new(p, normals, plain).kept().fits_block());
+    for flags in [
+        plain.with_flat(),
+        plain.with_plane(),
+        plain.with_straight(2),
+        plain.with_bounds(BoundsKind::Sphere),
+        PatchFlags::new(Surface::Angular),
+    ] {
+        assert!(
+            !Triangle::new(p, normals, flags).kept().fits_block(),
+            "{flags:?}"
+        );
+    }
+    let back = normals.map(|n| -n);
+    let mixed = [normals[0], back[1], normals[2]];
+    assert!(!Triangle::new(p, mixed, plain).kept().fits_block());
 }
