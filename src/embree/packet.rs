@@ -272,15 +272,13 @@ impl<const N: usize> RayPacket<N> {
                 good[lane] &= component[lane].abs() <= reach;
             }
         }
-        for lane in 0..N {
-            let along = [rays.dir_x[lane], rays.dir_y[lane], rays.dir_z[lane]];
-            let [x, y, z] = along.map(|c| c.abs() >= LEAST_COMPONENT);
-            good[lane] &= x | y | z;
-        }
         let mut lanes = 0;
         for (lane, good) in good.into_iter().enumerate() {
+            let [x, y, z] = [rays.dir_x[lane], rays.dir_y[lane], rays.dir_z[lane]];
+            let leads = x.abs().max(y.abs()).max(z.abs()) >= LEAST_COMPONENT;
             let (tnear, tfar, time) = (rays.tnear[lane], rays.tfar[lane], rays.time[lane]);
-            let good = good && tnear >= 0.0 && tnear <= tfar && (0.0..=1.0).contains(&time);
+            let good =
+                good && leads && tnear >= 0.0 && tnear <= tfar && (0.0..=1.0).contains(&time);
             lanes |= u32::from(good) << lane;
         }
         lanes & self.active.0

@@ -12,11 +12,13 @@ use super::lanes::{LaneMask, PATCHES, PatchMask, Patches};
 use super::packet::{MAX_LANES, RayLanes, load_ray, search};
 use super::patch::{Patch, PatchKind, Rule};
 use super::ray::{Ray, SEGMENT_NUMBERS, Segment};
-use super::real::{Constant, Real, inlined, three};
+use super::real::{Constant, Mask, Real, inlined, three};
 use super::vector::{Vector, vector};
 
 /// Most pairs of a ray and a patch, with room for a last register's lanes.
 const PAIRS: usize = PATCHES * MAX_LANES + PATCHES;
+/// Of fewer pairs than this each is searched alone, its samples in the lanes.
+const MIN_SEARCHED: u32 = 3;
 /// How many numbers a hull is kept in.
 const HULL: usize = 29;
 /// How many numbers a patch is kept in.
@@ -354,7 +356,14 @@ impl PatchBlock {
                 segment,
                 solver,
                 #[inline(always)]
-                |segment| self.search_pairs(simd, &segment, number, solver),
+                |segment| {
+                    let few = segment.alive.count() < MIN_SEARCHED;
+                    if few | (segment.alive & patch.is_high()).any() {
+                        self.search_pairs(simd, &segment, number, solver)
+                    } else {
+                        patch.searched(segment, solver, &|_, _| None)
+                    }
+                },
             );
             hits.evaluations += hit.evaluations;
             let found = hit.found & ray.tnear.less(hit.t) & hit.t.at_most(ray.tfar);

@@ -58,6 +58,17 @@ impl Solver {
     pub const ITA: Solver = Solver::Ita { bits: 24, step: 3 };
 }
 
+impl Solver {
+    /// The same with twice the parts, if so.
+    #[inline(always)]
+    pub(super) fn denser(self, twice: bool) -> Self {
+        match self {
+            Solver::Finish { parts } if twice => Solver::Finish { parts: 2 * parts },
+            _ => self,
+        }
+    }
+}
+
 impl Default for Solver {
     fn default() -> Self {
         Solver::Finish { parts: 8 }
@@ -154,7 +165,7 @@ impl<S: Scalar> Patch<S> {
             ray,
             solver,
             #[inline(always)]
-            |segment| self.searched(segment, solver, &sampler),
+            |segment| self.searched(segment, solver.denser(self.is_high()), &sampler),
         )
     }
 
@@ -202,6 +213,14 @@ impl<S: Scalar> Patch<S> {
         }
     }
 
+    /// The least parameter at which to look for the root after the one at `t`: beyond the reach of
+    /// rounding, so that the same root is not found twice.
+    pub fn beyond(&self, ray: &Ray<S>, t: S) -> S {
+        beyond(self.origin, self.size, ray, t)
+    }
+}
+
+impl<S: Constant> Patch<S> {
     /// Finds the first hits of rays that may meet the surface several times.
     #[inline(always)]
     pub(super) fn searched<V: Real<Scalar = S>>(
@@ -227,12 +246,6 @@ impl<S: Scalar> Patch<S> {
             segment.skip_to(root.at);
         }
         hit
-    }
-
-    /// The least parameter at which to look for the root after the one at `t`: beyond the reach of
-    /// rounding, so that the same root is not found twice.
-    pub fn beyond(&self, ray: &Ray<S>, t: S) -> S {
-        beyond(self.origin, self.size, ray, t)
     }
 
     #[inline(always)]
@@ -271,7 +284,7 @@ impl<S: Scalar> Patch<S> {
                 ita::first_root(f, steps, length, alive, bits, step)
             }
             Solver::Finish { parts } => {
-                let parts = self.parts(parts);
+                let parts = (parts as usize).clamp(2, MAX_PARTS);
                 let (start, share) = (length.constant(0.0), 1.0 / parts as f64);
                 let part = length * length.constant(share);
                 let samples = sampler(segment, Steps { start, part, parts });
@@ -287,18 +300,14 @@ impl<S: Scalar> Patch<S> {
         root
     }
 
-    /// How many parts to sample where so many are asked for.
+    /// Whether the slab is so high that a ray may stay in it long before it meets the surface, and graze it
+    /// between samples.
     #[inline(always)]
-    fn parts(&self, asked: u32) -> usize {
-        // Where the slab is high a ray may stay in it long before it meets the surface, and graze it
-        // between samples.
-        let high = S::from_f64(HIGH_SLAB) < self.slab[1] - self.slab[0];
-        let parts = if high { 2 * asked } else { asked };
-        (parts as usize).clamp(2, MAX_PARTS)
+    pub(super) fn is_high(&self) -> S::Mask {
+        let height = self.slab[1] - self.slab[0];
+        height.constant(HIGH_SLAB).less(height)
     }
-}
 
-impl<S: Constant> Patch<S> {
     /// The ray's origin and direction in the patch's space and units.
     #[inline(always)]
     pub(super) fn localize<V: Real<Scalar = S>>(&self, ray: &Ray<V>) -> [Vector<V>; 2] {

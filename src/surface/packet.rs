@@ -209,7 +209,7 @@ pub(super) fn search<S: Simd>(
                 #[inline(always)]
                 |segment: &Segment<f32>, steps| Some(sample(simd, patch, segment, steps)),
             );
-            patch.searched(segment, solver, &sampler)
+            patch.searched(segment, solver.denser(patch.is_high()), &sampler)
         },
     )
 }

@@ -49,7 +49,7 @@ impl<S: Constant> Side<S> {
     /// Shows all numbers of a side that is not straight and has no loose end, sixteen from `at` on.
     #[inline(always)]
     pub fn visit(&mut self, at: usize, by: &mut impl Visitor<S>) {
-        by.number(at + 0, &mut self.length2);
+        by.number(at, &mut self.length2);
         by.number(at + 1, &mut self.height);
         by.number(at + 2, &mut self.per_height);
         by.number(at + 3, &mut self.foot);
