@@ -1,15 +1,16 @@
 //! Several patches laid out side by side, and a packet's rays against all of them: each lane a ray and a
 //! patch of its own, so that the lanes are full however many patches a packet's rays come by.
 
-use fearless_simd::{Level, dispatch, f32x8, mask32x8, prelude::*, u8x32, u32x8};
+use fearless_simd::{Level, dispatch, f32x8, mask32x8, prelude::*, u32x8};
 
+use super::columns::{Column, HULL, PATCH, Pick, Store};
 use super::flags::{BoundsKind, PatchFlags, Surface};
 use super::frame::Frame;
 use super::hit::{Hit, Solver};
 use super::hull::{Hull, Interval};
 use super::kept::KeptPatch;
 use super::lanes::{LaneMask, PATCHES, PatchMask, Patches};
-use super::packet::{MAX_LANES, RayLanes, load_ray, search};
+use super::packet::{MAX_LANES, RayLanes, load_ray, search_each};
 use super::patch::{Patch, PatchKind, Rule};
 use super::ray::{Ray, SEGMENT_NUMBERS, Segment};
 use super::real::{Constant, Mask, Real, inlined, three};
@@ -19,10 +20,6 @@ use super::vector::{Vector, vector};
 const PAIRS: usize = PATCHES * MAX_LANES + PATCHES;
 /// Of fewer pairs than this each is searched alone, its samples in the lanes.
 const MIN_SEARCHED: u32 = 3;
-/// How many numbers a hull is kept in.
-const HULL: usize = 29;
-/// How many numbers a patch is kept in.
-const PATCH: usize = 100;
 /// How many numbers a patch is laid out from.
 const SOURCE: usize = 30;
 
@@ -396,38 +393,23 @@ impl PatchBlock {
         patch: &[u32],
         solver: Solver,
     ) -> Hit<Patches<S>> {
-        let mut columns = [[0.0; PATCHES]; SEGMENT_NUMBERS];
+        let mut columns = [[0.0; MAX_LANES]; SEGMENT_NUMBERS];
         for (column, number) in columns.iter_mut().zip(segment.numbers()) {
-            number.0.store_slice(column);
+            number.0.store_slice(&mut column[..PATCHES]);
         }
-        let (mut found, mut evaluations) = (0, 0);
-        let mut hits = [[0.0; PATCHES]; 3];
-        let mut left = segment.alive.0.to_bitmask();
-        while left != 0 {
-            let lane = left.trailing_zeros() as usize;
-            left &= left - 1;
-            let mut numbers = [0.0; SEGMENT_NUMBERS];
-            for (number, column) in numbers.iter_mut().zip(&columns) {
-                *number = column[lane];
-            }
-            let patch = self.patch(number_of(patch[lane]));
-            let hit = search(simd, &patch, Segment::from_numbers(numbers, true), solver);
-            evaluations += hit.evaluations;
-            found |= u64::from(hit.found) << lane;
-            for (column, value) in hits.iter_mut().zip([hit.t, hit.u, hit.v]) {
-                column[lane] = value;
-            }
-        }
+        let alive = segment.alive.0.to_bitmask();
+        let patch = |lane: usize| self.patch(number_of(patch[lane]));
+        let searched = search_each(simd, &columns, alive, patch, solver);
         let load = inlined(
             #[inline(always)]
-            |n: usize| Patches(f32x8::from_slice(simd, &hits[n])),
+            |n: usize| Patches(f32x8::from_slice(simd, &searched.hits[n][..PATCHES])),
         );
         Hit {
-            found: PatchMask(mask32x8::from_bitmask(simd, found)),
+            found: PatchMask(mask32x8::from_bitmask(simd, searched.found)),
             t: load(0),
             u: load(1),
             v: load(2),
-            evaluations,
+            evaluations: searched.evaluations,
         }
     }
 
@@ -513,120 +495,4 @@ fn gather<S: Simd>(simd: S, rays: &[[f32; MAX_LANES]; 8], lanes: &[u8]) -> Ray<P
 fn components<V: Copy>(ray: &Ray<V>) -> [V; 8] {
     let (o, d) = (ray.origin, ray.direction);
     [o.x, o.y, o.z, d.x, d.y, d.z, ray.tnear, ray.tfar]
-}
-
-/// Sees every number that rays ask for of a patch, each at its place.
-pub(super) trait Visitor<S: Constant> {
-    fn number(&mut self, at: usize, number: &mut S);
-    fn truth(&mut self, at: usize, truth: &mut S::Mask);
-
-    #[inline(always)]
-    fn vector(&mut self, at: usize, vector: &mut Vector<S>) {
-        self.number(at, &mut vector.x);
-        self.number(at + 1, &mut vector.y);
-        self.number(at + 2, &mut vector.z);
-    }
-}
-
-impl<S: Constant> Patch<S> {
-    /// Shows all numbers that rays ask for of a curved patch, by the tensor's rule and without loose ends.
-    #[inline(always)]
-    fn visit(&mut self, by: &mut impl Visitor<S>) {
-        by.vector(0, &mut self.origin);
-        by.number(3, &mut self.size);
-        by.vector(4, &mut self.spokes[0]);
-        by.vector(7, &mut self.spokes[1]);
-        by.vector(10, &mut self.normal);
-        self.visit_part(0, 13, by);
-        self.visit_part(1, 37, by);
-        self.visit_part(2, 61, by);
-        let base = &mut self.base;
-        base.side.visit(85, by);
-        by.vector(87, &mut base.corner);
-        by.vector(90, &mut base.along);
-        by.vector(93, &mut base.across);
-        by.number(96, &mut base.foot);
-        by.number(97, &mut self.slab[0]);
-        by.number(98, &mut self.slab[1]);
-        by.number(99, &mut self.steep);
-    }
-
-    /// Those of a vertex, its gradient and the side from there: 24.
-    #[inline(always)]
-    fn visit_part(&mut self, k: usize, at: usize, by: &mut impl Visitor<S>) {
-        by.vector(at, &mut self.gradients[k]);
-        self.sides[k].visit(at + 3, by);
-        let vertex = &mut self.vertices[k];
-        by.number(at + 19, &mut vertex.normal);
-        by.number(at + 20, &mut vertex.inward[0]);
-        by.number(at + 21, &mut vertex.inward[1]);
-        by.number(at + 22, &mut vertex.inward[2]);
-        by.number(at + 23, &mut vertex.between);
-    }
-}
-
-/// Puts the numbers of some lanes into columns.
-struct Store<'a, S: Simd, const N: usize> {
-    columns: &'a mut [[f32; PATCHES]; N],
-    lanes: PatchMask<S>,
-}
-
-impl<S: Simd, const N: usize> Visitor<Patches<S>> for Store<'_, S, N> {
-    #[inline(always)]
-    fn number(&mut self, at: usize, number: &mut Patches<S>) {
-        let column = &mut self.columns[at];
-        let old = Patches(f32x8::from_slice(number.0.token(), &column[..]));
-        Patches::select(self.lanes, *number, old)
-            .0
-            .store_slice(column);
-    }
-
-    #[inline(always)]
-    fn truth(&mut self, at: usize, truth: &mut PatchMask<S>) {
-        let simd = truth.0.token();
-        let [zero, one] = [0.0, 1.0].map(|value| Patches(f32x8::splat(simd, value)));
-        self.number(at, &mut Patches::select(*truth, one, zero));
-    }
-}
-
-/// Takes one patch's numbers from columns.
-struct Column<'a, const N: usize> {
-    columns: &'a [[f32; PATCHES]; N],
-    n: usize,
-}
-
-impl<const N: usize> Visitor<f32> for Column<'_, N> {
-    #[inline(always)]
-    fn number(&mut self, at: usize, number: &mut f32) {
-        *number = self.columns[at][self.n];
-    }
-
-    #[inline(always)]
-    fn truth(&mut self, at: usize, truth: &mut bool) {
-        let mut number = 0.0;
-        self.number(at, &mut number);
-        *truth = number > 0.0;
-    }
-}
-
-/// Takes a patch's numbers a lane from columns.
-struct Pick<'a, S: Simd, const N: usize> {
-    columns: &'a [[f32; PATCHES]; N],
-    bytes: u8x32<S>,
-}
-
-impl<S: Simd, const N: usize> Visitor<Patches<S>> for Pick<'_, S, N> {
-    #[inline(always)]
-    fn number(&mut self, at: usize, number: &mut Patches<S>) {
-        let column = f32x8::from_slice(self.bytes.token(), &self.columns[at]);
-        *number = Patches(column.swizzle_dyn(self.bytes));
-    }
-
-    #[inline(always)]
-    fn truth(&mut self, at: usize, truth: &mut PatchMask<S>) {
-        let zero = Patches(f32x8::splat(self.bytes.token(), 0.0));
-        let mut number = zero;
-        self.number(at, &mut number);
-        *truth = zero.less(number);
-    }
 }

@@ -1,6 +1,6 @@
 //! Which of a triangle's three sides, one answer a lane.
 
-use super::block::Visitor;
+use super::columns::Visitor;
 use super::patch::next;
 use super::real::{Constant, Jet, Real, three};
 use super::vector::{Vector, vector};

@@ -1,7 +1,7 @@
 //! What a ray is clipped to: a patch's three side planes (5) and the slab between its least and its
 //! greatest height.
 
-use super::block::Visitor;
+use super::columns::Visitor;
 use super::frame::Frame;
 use super::ray::{RAY_EPSILONS, Ray};
 use super::real::{Constant, Mask, Real, Scalar, inlined};

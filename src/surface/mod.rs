@@ -20,6 +20,7 @@ mod block;
 mod bounds;
 mod boxes;
 mod choice;
+mod columns;
 mod correction;
 mod crossing;
 mod dual;

@@ -1,6 +1,8 @@
 //! A packet of rays against one patch, on SIMD lanes: the kernel's one source over [`Lanes`], for
 //! whatever instruction set the processor turns out to have.
 
+use std::borrow::Borrow;
+
 use fearless_simd::{Level, dispatch, f32x4, prelude::*};
 
 use super::finish::{MAX_PARTS, Samples};
@@ -196,12 +198,7 @@ fn trace_one<S: Simd>(
 }
 
 /// [`Patch::searched`] of one ray, which samples F at all parts' ends at once, one a lane.
-pub(super) fn search<S: Simd>(
-    simd: S,
-    patch: &Patch<f32>,
-    segment: Segment<f32>,
-    solver: Solver,
-) -> Hit<f32> {
+fn search<S: Simd>(simd: S, patch: &Patch<f32>, segment: Segment<f32>, solver: Solver) -> Hit<f32> {
     simd.vectorize(
         #[inline(always)]
         || {
@@ -226,31 +223,58 @@ fn search_lanes<S: Simd>(
     for (column, number) in columns.iter_mut().zip(segment.numbers()) {
         store(number, column, 0);
     }
-    let (mut found, mut evaluations) = (0, 0);
-    let mut hits = [[0.0; MAX_LANES]; 3];
-    let mut left = segment.alive.0.to_bitmask();
-    while left != 0 {
-        let lane = left.trailing_zeros() as usize;
-        left &= left - 1;
-        let mut numbers = [0.0; SEGMENT_NUMBERS];
-        for (number, column) in numbers.iter_mut().zip(&columns) {
-            *number = column[lane];
-        }
-        let hit = search(simd, patch, Segment::from_numbers(numbers, true), solver);
-        evaluations += hit.evaluations;
-        found |= u64::from(hit.found) << lane;
-        for (column, value) in hits.iter_mut().zip([hit.t, hit.u, hit.v]) {
-            column[lane] = value;
-        }
-    }
-    let [t, u, v] = &hits;
+    let alive = segment.alive.0.to_bitmask();
+    let searched = search_each(simd, &columns, alive, |_| patch, solver);
+    let [t, u, v] = &searched.hits;
     Hit {
-        found: LaneMask(S::mask32s::from_bitmask(simd, found)),
+        found: LaneMask(S::mask32s::from_bitmask(simd, searched.found)),
         t: load(simd, t, 0),
         u: load(simd, u, 0),
         v: load(simd, v, 0),
-        evaluations,
+        evaluations: searched.evaluations,
     }
+}
+
+/// What [`search_each`] finds.
+pub(super) struct Searched {
+    /// The lanes with a hit, one bit each.
+    pub found: u64,
+    /// Their t, u and v.
+    pub hits: [[f32; MAX_LANES]; 3],
+    pub evaluations: u32,
+}
+
+/// [`Patch::searched`] of the lanes that are alive, one bit each, one by one: each lane's segment, a
+/// column a number, on its patch.
+#[inline(always)]
+pub(super) fn search_each<S: Simd, P: Borrow<Patch<f32>>>(
+    simd: S,
+    columns: &[[f32; MAX_LANES]; SEGMENT_NUMBERS],
+    mut alive: u64,
+    patch: impl Fn(usize) -> P,
+    solver: Solver,
+) -> Searched {
+    let mut searched = Searched {
+        found: 0,
+        hits: [[0.0; MAX_LANES]; 3],
+        evaluations: 0,
+    };
+    while alive != 0 {
+        let lane = alive.trailing_zeros() as usize;
+        alive &= alive - 1;
+        let mut numbers = [0.0; SEGMENT_NUMBERS];
+        for (number, column) in numbers.iter_mut().zip(columns) {
+            *number = column[lane];
+        }
+        let segment = Segment::from_numbers(numbers, true);
+        let hit = search(simd, patch(lane).borrow(), segment, solver);
+        searched.evaluations += hit.evaluations;
+        searched.found |= u64::from(hit.found) << lane;
+        for (column, value) in searched.hits.iter_mut().zip([hit.t, hit.u, hit.v]) {
+            column[lane] = value;
+        }
+    }
+    searched
 }
 
 /// F at the ends of all parts of some steps along a segment.

@@ -1,7 +1,7 @@
 //! What a patch knows of its plane and its sides, laid out from a triangle's frame: with as few
 //! divisions and roots as there can be, and three of a kind at once, since rays wait for it.
 
-use super::block::Visitor;
+use super::columns::Visitor;
 use super::flags::{PatchFlags, Surface};
 use super::frame::Frame;
 use super::patch::next;
