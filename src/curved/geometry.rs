@@ -93,7 +93,7 @@ impl CurvedMesh {
             return;
         }
         let mut entries = cluster.packet_entries(&ray_lanes(query), query.valid());
-        if matches!(self.solver, Solver::Finish { .. }) && !query.has_filters() {
+        if matches!(self.solver, Solver::Finish { .. }) {
             let left = self.trace_block(query, (prim, cluster), entries.met(), normals, report);
             if left == 0 {
                 return;
@@ -122,27 +122,31 @@ impl CurvedMesh {
         if asked == 0 {
             return 0;
         }
-        Laid::with(|laid| {
-            let (slot, hits) = laid.cluster(self.number, prim);
-            let laid = slot.lay(asked, |n| self.kept(cluster.triangle(n)));
-            let (rays, solver) = (ray_lanes(query), self.solver);
-            slot.block
-                .intersect_packet(&rays, met, solver, normals, hits);
-            let tested = (0..SIZE).filter(|n| laid & 1 << n != 0);
-            let calls = tested.map(|n| met[n].count_ones()).sum::<u32>();
-            count(
-                laid.count_ones().into(),
-                calls.into(),
-                hits.evaluations.into(),
-            );
-            for hit in hits.iter() {
-                query.set_prim_id(cluster.triangle(hit.patch));
-                let (t, u, v) = (hit.t, hit.u, hit.v);
-                let ng = hit.normal.into();
-                report(query, hit.lane, SurfaceHit { t, u, v, ng });
+        let mut laid = 0;
+        let hits = Laid::trace(self.number, prim, |slot, hits| {
+            laid = slot.lay(asked, |n| self.kept(cluster.triangle(n)));
+            let rays = ray_lanes(query);
+            (slot.block).intersect_packet(&rays, met, self.solver, normals, hits);
+        });
+        let tested = (0..SIZE).filter(|n| laid & 1 << n != 0);
+        let calls = tested.map(|n| met[n].count_ones()).sum::<u32>();
+        let evaluations = hits.evaluations.into();
+        count(laid.count_ones().into(), calls.into(), evaluations);
+        for hit in hits.iter() {
+            let (triangle, lane) = (cluster.triangle(hit.patch), hit.lane);
+            query.set_prim_id(triangle);
+            let (t, u, v) = (hit.t, hit.u, hit.v);
+            let ng = hit.normal.into();
+            let counts = report(query, lane, SurfaceHit { t, u, v, ng });
+            // Without filters only a nearer hit stands against one.
+            if !counts && query.has_filters() && query.valid() & 1 << lane != 0 {
+                let patch = self.kept(triangle);
+                let ray = rest_of_ray(&patch, query, lane, t);
+                self.offer_roots(&patch, ray, normals, |hit| report(query, lane, hit));
             }
-            asked & !laid
-        })
+        }
+        Laid::keep(hits);
+        asked & !laid
     }
 
     /// Offers the roots of some of a query's rays on a triangle.

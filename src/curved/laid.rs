@@ -13,7 +13,8 @@ const NO_MESH: u64 = 0;
 /// Clusters that were laid out, and room for hits on them.
 pub(super) struct Laid {
     slots: Vec<Slot>,
-    hits: PairHits,
+    /// Unless it is in use.
+    hits: Option<Box<PairHits>>,
 }
 
 /// A cluster.
@@ -40,17 +41,31 @@ impl Laid {
         };
         Self {
             slots: vec![empty; SLOTS],
-            hits: PairHits::default(),
+            hits: None,
         }
     }
 
-    /// Calls a function with the calling thread's. It must not come here again.
-    pub fn with<T>(call: impl FnOnce(&mut Self) -> T) -> T {
-        LAID.with_borrow_mut(call)
+    /// Calls a function with a cluster of a mesh, with what the calling thread laid out of it before, and
+    /// gives the hits. The function must not come here again; who reports the hits may, since a filter may
+    /// trace rays.
+    pub fn trace(
+        mesh: u64,
+        cluster: u32,
+        call: impl FnOnce(&mut Slot, &mut PairHits),
+    ) -> Box<PairHits> {
+        LAID.with_borrow_mut(|laid| {
+            let mut hits = laid.hits.take().unwrap_or_default();
+            call(laid.cluster(mesh, cluster), &mut hits);
+            hits
+        })
     }
 
-    /// A cluster of a mesh, with what was laid out of it before, and room for hits.
-    pub fn cluster(&mut self, mesh: u64, cluster: u32) -> (&mut Slot, &mut PairHits) {
+    /// Keeps the room that hits take for the next ones.
+    pub fn keep(hits: Box<PairHits>) {
+        LAID.with_borrow_mut(|laid| laid.hits = Some(hits));
+    }
+
+    fn cluster(&mut self, mesh: u64, cluster: u32) -> &mut Slot {
         // Neighbouring clusters have neighbouring numbers.
         let slot = &mut self.slots[cluster as usize % SLOTS];
         if (slot.mesh, slot.cluster) != (mesh, cluster) {
@@ -58,7 +73,7 @@ impl Laid {
             slot.seen = 0;
             slot.block.clear();
         }
-        (slot, &mut self.hits)
+        slot
     }
 }
 
