@@ -43,14 +43,16 @@ export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_init_order=1${ASAN_OP
 export LSAN_OPTIONS=suppressions=$suppressions:print_suppressions=0
 unset CURVETRI_MESHES # the made bodies do
 
+# what the tests' own profile leaves out
+profile=(--config profile.test.debug-assertions=true --config 'profile.test.debug="line-tables-only"')
 tests=(--lib)
 if [ "${1:-}" = --contract ]; then
     for file in tests/contract_*.rs; do
         tests+=(--test "$(basename "$file" .rs)")
     done
-    cargo test --locked --target "$host" "${tests[@]}"
+    cargo test --locked --target "$host" "${profile[@]}" "${tests[@]}"
 else
     # little of it is arithmetic, so that compiling costs more than running
-    cargo test --locked --target "$host" --config profile.test.opt-level=1 --no-default-features \
+    cargo test --locked --target "$host" "${profile[@]}" --config profile.test.opt-level=1 --no-default-features \
         "${tests[@]}" -- embree:: curved::
 fi
