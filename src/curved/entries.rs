@@ -69,6 +69,20 @@ impl Cluster {
         valid: u32,
     ) -> PacketEntries {
         let mut entries = PacketEntries::default();
+        // Converted in lanes, once: a box at a time that would take as long as its test.
+        let planes = inlined(
+            #[inline(always)]
+            |of: &[[u8; SIZE]; 3]| {
+                let mut planes = [[0.0; SIZE]; 3];
+                for (to, from) in planes.iter_mut().zip(of) {
+                    for (to, from) in to.iter_mut().zip(from) {
+                        *to = f32::from(*from);
+                    }
+                }
+                planes
+            },
+        );
+        let (lower, upper) = (planes(&self.lower), planes(&self.upper));
         for first in (0..rays.tnear.len().min(MAX_LANES)).step_by(S::f32s::LEN) {
             let way = inlined(
                 #[inline(always)]
@@ -88,7 +102,7 @@ impl Cluster {
                 }
                 let (mut from, mut to) = (tnear, tfar);
                 for (axis, way) in ways.iter().enumerate() {
-                    let (near, far) = way.between(self.lower[axis][n], self.upper[axis][n]);
+                    let (near, far) = way.between(lower[axis][n], upper[axis][n]);
                     (from, to) = (from.max(near), to.min(far));
                 }
                 let met = from.simd_le(to).to_bitmask() as u32 & valid;
@@ -229,9 +243,9 @@ impl<S: Simd> Ways<S> {
     }
 
     #[inline(always)]
-    fn between(&self, lower: u8, upper: u8) -> (S::f32s, S::f32s) {
-        let a = self.start + self.step * f32::from(lower);
-        let b = self.start + self.step * f32::from(upper);
+    fn between(&self, lower: f32, upper: f32) -> (S::f32s, S::f32s) {
+        let a = self.start + self.step * lower;
+        let b = self.start + self.step * upper;
         (a.min(b) - self.room, a.max(b) + self.room)
     }
 }

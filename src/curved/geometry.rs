@@ -7,7 +7,7 @@ use super::clusters::{Cluster, SIZE};
 use super::counters::{count, count_callback};
 use super::laid::Laid;
 use crate::embree::{Bounds, IntersectQuery, OccludedQuery, QueryRays, SurfaceHit, UserGeometry};
-use crate::surface::{HitLanes, KeptPatch, Ray, RayLanes, Real, Solver};
+use crate::surface::{HitLanes, KeptPatch, PatchBlock, Ray, RayLanes, Real, Solver};
 
 impl UserGeometry for CurvedMesh {
     fn primitives(&self) -> u32 {
@@ -123,11 +123,15 @@ impl CurvedMesh {
             return 0;
         }
         let mut laid = 0;
-        let hits = Laid::trace(self.number, prim, |slot, hits| {
-            laid = slot.lay(asked, |n| self.kept(cluster.triangle(n)));
-            let rays = ray_lanes(query);
-            (slot.block).intersect_packet(&rays, met, self.solver, normals, hits);
-        });
+        let hits = Laid::trace(
+            self.number,
+            prim,
+            |block| self.lay(block, cluster),
+            |block, hits| {
+                laid = asked & block.laid();
+                block.intersect_packet(&ray_lanes(query), met, self.solver, normals, hits);
+            },
+        );
         let tested = (0..SIZE).filter(|n| laid & 1 << n != 0);
         let calls = tested.map(|n| met[n].count_ones()).sum::<u32>();
         let evaluations = hits.evaluations.into();
@@ -147,6 +151,15 @@ impl CurvedMesh {
         }
         Laid::keep(hits);
         asked & !laid
+    }
+
+    /// Lays out what can be of a cluster: at once, as rays that come by one triangle come by its neighbours.
+    fn lay(&self, block: &mut PatchBlock, cluster: &Cluster) {
+        let patch = |n: usize| self.kept(cluster.triangle(n));
+        let fit = lanes(cluster.present())
+            .filter(|&n| patch(n).fits_block())
+            .fold(0, |fit, n| fit | 1 << n);
+        block.lay(fit, patch);
     }
 
     /// Offers the roots of some of a query's rays on a triangle.

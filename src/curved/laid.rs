@@ -3,7 +3,7 @@
 
 use std::cell::RefCell;
 
-use crate::surface::{KeptPatch, PairHits, PatchBlock};
+use crate::surface::{PairHits, PatchBlock};
 
 /// How many clusters a thread keeps, about 4 kB each: as many as its processor's own cache holds.
 const SLOTS: usize = 128;
@@ -19,12 +19,10 @@ pub(super) struct Laid {
 
 /// A cluster.
 #[derive(Clone)]
-pub(super) struct Slot {
+struct Slot {
     mesh: u64,
     cluster: u32,
-    /// The triangles that were laid out, or found to be none for a block, one bit each.
-    seen: u32,
-    pub block: PatchBlock,
+    block: PatchBlock,
 }
 
 thread_local! {
@@ -36,7 +34,6 @@ impl Laid {
         let empty = Slot {
             mesh: NO_MESH,
             cluster: 0,
-            seen: 0,
             block: PatchBlock::default(),
         };
         Self {
@@ -45,17 +42,18 @@ impl Laid {
         }
     }
 
-    /// Calls a function with a cluster of a mesh, with what the calling thread laid out of it before, and
-    /// gives the hits. The function must not come here again; who reports the hits may, since a filter may
-    /// trace rays.
+    /// Calls a function with a cluster of a mesh, which another lays out unless the calling thread did so
+    /// before, and gives the hits. Neither must come here again; who reports the hits may, since a filter
+    /// may trace rays.
     pub fn trace(
         mesh: u64,
         cluster: u32,
-        call: impl FnOnce(&mut Slot, &mut PairHits),
+        lay: impl FnOnce(&mut PatchBlock),
+        call: impl FnOnce(&PatchBlock, &mut PairHits),
     ) -> Box<PairHits> {
         LAID.with_borrow_mut(|laid| {
             let mut hits = laid.hits.take().unwrap_or_default();
-            call(laid.cluster(mesh, cluster), &mut hits);
+            call(laid.cluster(mesh, cluster, lay), &mut hits);
             hits
         })
     }
@@ -65,29 +63,19 @@ impl Laid {
         LAID.with_borrow_mut(|laid| laid.hits = Some(hits));
     }
 
-    fn cluster(&mut self, mesh: u64, cluster: u32) -> &mut Slot {
+    fn cluster(
+        &mut self,
+        mesh: u64,
+        cluster: u32,
+        lay: impl FnOnce(&mut PatchBlock),
+    ) -> &PatchBlock {
         // Neighbouring clusters have neighbouring numbers.
         let slot = &mut self.slots[cluster as usize % SLOTS];
         if (slot.mesh, slot.cluster) != (mesh, cluster) {
             (slot.mesh, slot.cluster) = (mesh, cluster);
-            slot.seen = 0;
             slot.block.clear();
+            lay(&mut slot.block);
         }
-        slot
-    }
-}
-
-impl Slot {
-    /// Of some triangles, one bit each, those that are laid out, if they were not before.
-    pub fn lay<'a>(&mut self, which: u32, of: impl Fn(usize) -> KeptPatch<'a>) -> u32 {
-        let new = which & !self.seen;
-        if new != 0 {
-            let fit = (0..u32::BITS as usize)
-                .filter(|n| new & 1 << n != 0 && of(*n).fits_block())
-                .fold(0, |fit, n| fit | 1 << n);
-            self.block.lay(fit, of);
-            self.seen |= new;
-        }
-        which & self.block.laid()
+        &slot.block
     }
 }

@@ -180,15 +180,7 @@ pub(super) fn steepness<S: Scalar>(least_cosine: S) -> u8 {
 /// The least cosine of the angle to its plane that the surface has where it is looked at.
 #[inline(always)]
 pub(super) fn least_cosine<S: Constant>(patch: &Patch<S>) -> S {
-    const PLACES: [[f64; 2]; 7] = [
-        [0.5, 0.0],
-        [0.5, 0.5],
-        [0.0, 0.5],
-        [0.2, 0.2],
-        [0.6, 0.2],
-        [0.2, 0.6],
-        [0.33, 0.34],
-    ];
+    const PLACES: [[f64; 2]; 4] = [[0.2, 0.2], [0.6, 0.2], [0.2, 0.6], [0.33, 0.34]];
     let like = patch.area2;
     let mut least = like.constant(1.0);
     for vertex in &patch.vertices {
