@@ -175,15 +175,15 @@ impl<S: Constant> Patch<S> {
             #[inline(always)]
             |k| {
                 let side = &self.sides[k];
-                let along = b[next(k)] + b[next(next(k))].times(like.splat(side.foot));
-                let along = capped(at_least(along, zero), one);
+                let free = b[next(k)] + b[next(next(k))].times(like.splat(side.foot));
+                let along = capped(at_least(free, zero), one);
                 let [c0, c1, c2] = three(
                     #[inline(always)]
                     |n| like.splat(side.correction[n]),
                 );
                 let mut slope = (along * along.times(c2).plus(c1)).plus(c0);
                 if self.any_loose {
-                    slope = slope / loosened(side.loose, along, b[k], b[next(k)]);
+                    slope = slope / loosened(side.loose, free, b[k], b[next(k)]);
                 }
                 weights[k] * slope
             },
@@ -222,10 +222,16 @@ fn loosened<V: Real, T: Jet<V>>(loose: [bool; 2], along: T, b_i: T, b_j: T) -> T
     first * second
 }
 
-/// A share, held above a part of the coordinate it stands for.
+/// A share, held off zero by a part of the coordinate it stands for: above it in the triangle. Outside, where
+/// neighbours overlap, the share may have changed its sign with the coordinate; then it is held below, so
+/// that the surface goes on as it was.
 #[inline(always)]
 fn held<V: Real, T: Jet<V>>(share: T, b: T, part: V, tiny: V) -> T {
-    let negative = b.value().less(tiny.constant(0.0));
-    let least = at_least(T::select(negative, -b, b).times(part), tiny);
-    T::select(share.value().less(least.value()), least, share)
+    let zero = tiny.constant(0.0);
+    let outside = b.value().less(zero);
+    let least = at_least(T::select(outside, -b, b).times(part), tiny);
+    let below = outside & share.value().less(zero);
+    let size = T::select(below, -share, share);
+    let size = T::select(size.value().less(least.value()), least, size);
+    T::select(below, -size, size)
 }

@@ -320,6 +320,52 @@ fn feet_stay_in_their_triangle_however_far_rays_come_from() {
     assert!(met > 5_000, "{met}");
 }
 
+/// Neighbours overlap beyond a straight side, and a ray that meets the side must not touch the surface there
+/// and leave it again, as at a kink.
+#[test]
+fn the_surface_goes_on_beyond_a_straight_side() {
+    for (n, positions) in capped_wall().into_iter().enumerate() {
+        let normals = positions.map(|p| vector(p.x, p.y, 0.0));
+        let flags = (0..3)
+            .filter(|&k| positions[k].z == positions[(k + 1) % 3].z)
+            .fold(PatchFlags::default(), PatchFlags::with_straight);
+        let patch = Patch::<f64>::new(positions, normals, flags);
+        assert!(is_curved(&patch), "triangle {n}");
+        for k in (0..3).filter(|&k| flags.is_straight(k)) {
+            for step in 1..10 {
+                let along = f64::from(step) / 10.0;
+                let [inside, outside] = [1e-4, -1e-5].map(|off| {
+                    let mut b = [0.0; 3];
+                    b[(k + 2) % 3] = off;
+                    b[(k + 1) % 3] = along;
+                    b[k] = 1.0 - along - off;
+                    patch.normal_at(b[1], b[2])
+                });
+                let turn = inside.cross(outside).length();
+                assert!(
+                    turn < 1e-3,
+                    "triangle {n} at {along}: {inside:?} {outside:?}"
+                );
+            }
+        }
+    }
+}
+
+/// The two triangles of a wall of a cylinder of five, with right angles at its rims.
+fn capped_wall() -> [[V; 3]; 2] {
+    let corner = |n: f64, z: f64| {
+        let (sine, cosine) = (n * std::f64::consts::TAU / 5.0).sin_cos();
+        vector(cosine, sine, z)
+    };
+    let [a, b, c, d] = [
+        corner(0.0, 0.0),
+        corner(1.0, 0.0),
+        corner(1.0, 1.5),
+        corner(0.0, 1.5),
+    ];
+    [[a, b, c], [a, c, d]]
+}
+
 #[test]
 fn odd_input_makes_no_surface_and_no_panic() {
     let good = [
