@@ -3,9 +3,13 @@
 
 mod support;
 
-use curvetri::curved::CurvedOptions;
+use std::sync::Arc;
+
+use curvetri::bodies;
+use curvetri::curved::{CurvedOptions, FlatTriangles};
+use curvetri::surface::PatchKind;
 use rayon::prelude::*;
-use support::lost_rays;
+use support::{Body, lost_rays, lost_rays_towards};
 
 /// Rays a body: of the default form, and of the others.
 fn rays(options: &CurvedOptions) -> usize {
@@ -36,5 +40,28 @@ fn no_ray_from_inside_is_lost() {
                 traced.name
             );
         }
+    });
+}
+
+#[test]
+fn none_is_lost_between_curved_triangles_and_flat_ones_that_are_apart() {
+    let made = |segments| Body {
+        name: format!("cylinder of {segments}"),
+        mesh: Arc::new(bodies::capped_cylinder(segments, 1.5)),
+    };
+    let mut bodies: Vec<Body> = [5, 16, 64].map(made).into();
+    bodies.extend(support::real_meshes(&["cad_feature.stl"]));
+    bodies.par_iter().for_each(|body| {
+        let traced = body.traced_with(&CurvedOptions {
+            flat: FlatTriangles::Apart,
+            ..CurvedOptions::default()
+        });
+        let curved = &traced.curved;
+        let flat: Vec<usize> = (0..curved.mesh().triangles().len())
+            .filter(|&triangle| matches!(curved.kind(triangle as u32), PatchKind::Flat(_)))
+            .collect();
+        let lost = lost_rays_towards(&traced, &flat, 100_000);
+        println!("{}: lost {lost:?}", traced.name);
+        assert!(lost.share() <= MAX_LOST, "{}: {lost:?}", traced.name);
     });
 }

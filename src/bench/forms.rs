@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::{Clock, Error, grids, median};
-use crate::curved::{CurvedMesh, CurvedOptions, Primitives};
+use crate::curved::{CurvedMesh, CurvedOptions, FlatTriangles, Primitives};
 use crate::embree::{Device, Geometry, GeometryBuilder, Scene, SceneBuilder};
 use crate::mesh::{Mesh, weld};
 use crate::surface::{BoundsKind, Solver, Surface};
@@ -88,6 +88,11 @@ pub fn forms() -> Vec<NamedForm> {
     add(DEFAULT, curved(plain));
     add("smooth-leaf4", with(plain, SMALL_LEAVES, false));
     add("smooth-compact", with(plain, "", true));
+    let apart = CurvedOptions {
+        flat: FlatTriangles::Apart,
+        ..plain
+    };
+    add("smooth-flat-apart", curved(apart));
     add("smooth-triangles", curved(triangles));
     add(
         "smooth-triangles-leaf4",
@@ -253,8 +258,13 @@ impl Form {
                 let mut making = Making::new(&device, (clock, start), triangles);
                 making.bytes.mesh = mesh.memory() as u64;
                 making.bytes.records = curved.memory() as u64;
-                let geometry = || Geometry::user(&device, curved);
-                making.finish(geometry, |b| b.compact(*compact))
+                let user = || Geometry::user(&device, curved.clone());
+                let flat = || curved.flat_geometry(&device);
+                let robust = options.flat == FlatTriangles::Apart;
+                making.finish_all(
+                    || Ok([Some(user()?), flat()?].into_iter().flatten().collect()),
+                    |b| b.compact(*compact).robust(robust),
+                )
             }
             Self::Tessellated(_) => {
                 let fine = curve(mesh).tessellate(parts)?.into_mesh();
@@ -317,16 +327,27 @@ impl<'a> Making<'a> {
     }
 
     fn finish(
-        mut self,
+        self,
         geometry: impl FnOnce() -> Result<GeometryBuilder, crate::embree::Error>,
+        flags: impl FnOnce(SceneBuilder) -> SceneBuilder,
+    ) -> Result<Built, Error> {
+        self.finish_all(|| Ok(vec![geometry()?]), flags)
+    }
+
+    fn finish_all(
+        mut self,
+        geometries: impl FnOnce() -> Result<Vec<GeometryBuilder>, crate::embree::Error>,
         flags: impl FnOnce(SceneBuilder) -> SceneBuilder,
     ) -> Result<Built, Error> {
         let start = self.clock.program_time();
         let empty = self.device.memory().current;
-        let geometry = geometry()?.commit()?;
+        let geometries = geometries()?.into_iter().map(GeometryBuilder::commit);
+        let geometries = geometries.collect::<Result<Vec<_>, _>>()?;
         let filled = self.device.memory().current;
         let mut builder = flags(SceneBuilder::new(self.device)?);
-        builder.attach(&geometry);
+        for geometry in &geometries {
+            builder.attach(geometry);
+        }
         let scene = builder.commit()?;
         let build = self.clock.program_time() - start;
         self.bytes.buffers = filled - empty;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use curvetri::curved::{CurvedOptions, Primitives};
+use curvetri::curved::{CurvedOptions, FlatTriangles, Primitives};
 use curvetri::mesh::{self, LoadOptions, Loaded, Mesh, NormalsPolicy, Parts, Scenery};
 use curvetri::render::Form;
 use curvetri::surface::{BoundsKind, Solver, Surface};
@@ -137,7 +137,10 @@ impl SurfaceArgs {
     /// The same with this length as the tolerance.
     pub fn form_within(&self, tolerance: f32) -> Result<Form> {
         let preset = match self.method {
-            MethodChoice::Default => CurvedOptions::default(),
+            MethodChoice::Default => CurvedOptions {
+                flat: FlatTriangles::Apart,
+                ..CurvedOptions::default()
+            },
             MethodChoice::Paper => CurvedOptions::paper(),
         };
         let surface = match self.surface {

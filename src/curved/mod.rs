@@ -1,10 +1,11 @@
-//! A mesh as one Embree user geometry of curved triangles: one primitive a triangle, with an inline
-//! path for those that stay flat.
+//! A mesh as one Embree user geometry of curved triangles, with an inline path for those that stay flat;
+//! or with those as triangles of Embree's own beside it.
 
 mod advice;
 mod clusters;
 mod counters;
 mod entries;
+mod flat;
 mod geometry;
 mod inspection;
 mod kinds;
@@ -24,6 +25,7 @@ use crate::surface::{
 
 use clusters::Cluster;
 pub use counters::{Counters, counters};
+pub use flat::FlatTriangles;
 pub use inspection::{Heights, Inspection, MemoryNeed, SideLengths};
 pub use kinds::Kinds;
 pub use spheres::Spheres;
@@ -56,6 +58,8 @@ pub struct CurvedOptions {
     /// to within rounding. Flat triangles are traced faster, and cuts in the shading show sooner than a
     /// height: a hundredth of a pixel is about what goes unseen.
     pub tolerance: f32,
+    /// Who traces those that stay flat.
+    pub flat: FlatTriangles,
     /// Every triangle as the paper has it, from its own vertices alone: also where its guide field
     /// folds over or bends too much for the method's guarantees, and with curved sides also at hard
     /// edges and towards flat triangles. For measuring the method itself: rays may slip through
@@ -80,6 +84,7 @@ impl CurvedOptions {
             bounds: BoundsKind::Sphere,
             primitives: Primitives::Triangles,
             tolerance: 0.0,
+            flat: FlatTriangles::Inline,
             unchecked: false,
         }
     }
@@ -93,6 +98,8 @@ pub struct CurvedMesh {
     mesh: Arc<Mesh>,
     records: Vec<PatchRecord>,
     clusters: Option<Box<[Cluster]>>,
+    /// Whether the flat triangles are left to another geometry.
+    flat_apart: bool,
     /// Tells it from all others that there ever were.
     number: u64,
     solver: Solver,
@@ -112,7 +119,11 @@ impl CurvedMesh {
     /// that no gap opens; [`CurvedMesh::kinds`] counts them.
     pub fn new(mesh: Arc<Mesh>, options: &CurvedOptions) -> Self {
         let topology = Topology::new(&mesh);
-        let prepared = prepare::prepare(&mesh, &topology, options);
+        let mut prepared = prepare::prepare(&mesh, &topology, options);
+        let flat_apart = options.flat.are_apart(&prepared.kinds);
+        if flat_apart {
+            prepared.leave_out_flat();
+        }
         let clusters = match options.primitives {
             Primitives::Triangles => None,
             Primitives::Clusters => Some(clusters::group(&prepared.bounds)),
@@ -121,6 +132,7 @@ impl CurvedMesh {
             mesh,
             records: prepared.records,
             clusters,
+            flat_apart,
             number: COUNT.fetch_add(1, Ordering::Relaxed),
             solver: options.solver,
             kinds: prepared.kinds,
@@ -130,6 +142,9 @@ impl CurvedMesh {
     }
 
     fn triangle_bounds(&self, triangle: u32) -> Bounds {
+        if self.is_apart(triangle) {
+            return Bounds::EMPTY;
+        }
         let [lower, upper] = self.patch(triangle).bounds();
         Bounds {
             lower: lower.into(),

@@ -103,6 +103,29 @@ impl Geometry {
         Ok(builder)
     }
 
+    /// Some of [`triangles`](Self::triangles): those that are left out are never hit, and the others keep
+    /// their numbers.
+    ///
+    /// # Errors
+    /// As [`triangles`](Self::triangles).
+    pub fn some_triangles(
+        device: &Device,
+        positions: &[Vec3],
+        indices: &[[u32; 3]],
+        keep: impl Fn(usize) -> bool,
+    ) -> Result<GeometryBuilder, Error> {
+        check_count("vertices", positions.len())?;
+        check_indices(indices, positions.len())?;
+        // Embree builds no tree over triangles without a finite box.
+        let nowhere = positions.len() as u32;
+        let positions = [positions, &[Vec3::NAN]].concat();
+        let kept = indices.iter().enumerate();
+        let indices: Vec<_> = kept
+            .map(|(n, &corners)| if keep(n) { corners } else { [nowhere; 3] })
+            .collect();
+        Self::triangles(device, &positions, &indices)
+    }
+
     /// Embree's grids: rectangles of vertices, cut into flat triangles as they are traced, from copies
     /// of the vertices. They take a fraction of the memory of as many triangles. Of four neighbours
     /// the triangles share the side from the second of the upper row to the first of the lower one.

@@ -29,6 +29,7 @@ mod scene;
 mod shading;
 mod stats;
 mod tiles;
+mod tree;
 mod world;
 
 pub use aov::{Aovs, aovs};

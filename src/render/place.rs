@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
 
-use crate::embree::{Hit, Ray};
+use crate::embree::Ray;
 use crate::mesh::Placement;
 
 /// Rounding of a point on its way through a transform and back along a ray, in units of the last
@@ -27,14 +27,6 @@ pub(super) struct Instance {
 }
 
 impl Place {
-    /// The number of the place where a hit is.
-    pub fn number(hit: &Hit) -> u32 {
-        match hit.inst_id[0] {
-            Hit::NONE => hit.geom_id,
-            instance => instance,
-        }
-    }
-
     /// A normal of the shape as a unit normal in the scene, on the same side of the surface; zero
     /// where it has no direction.
     pub fn normal(&self, normal: Vec3) -> Vec3 {

@@ -8,8 +8,9 @@ use thiserror::Error;
 
 use super::place::{Instance, Place};
 use super::stats::{MemoryParts, Times};
+use super::tree::Tree;
 use crate::curved::{CurvedMesh, CurvedOptions, Kinds, Spheres};
-use crate::embree::{self, Device, Geometry, Hit, Ray, SceneBuilder};
+use crate::embree::{self, Device, Geometry, Hit, Ray};
 use crate::mesh::{Bounds, Mesh, Parts};
 
 /// What a mesh's triangles stand for.
@@ -36,14 +37,16 @@ pub enum Shape {
 /// the mesh of placement `g`. A mesh with other or more uses is curved and built once, in a tree of its
 /// own, and each use is an instance of it: a hit's `inst_id` is the placement, `prim_id` the triangle,
 /// and `ng` is in the mesh's space ([`Scene::normal`] is in the scene's). Instances do not know what is
-/// beside them: sides along which they meet are boundaries of each.
+/// beside them: sides along which they meet are boundaries of each. Flat triangles that are
+/// [apart](crate::curved::FlatTriangles::Apart) are in geometries of their own, after all placements':
+/// [`Scene::place_of`] tells whose.
 pub struct Scene {
     origin: DVec3,
     bounds: Bounds,
     shapes: Vec<Shape>,
     places: Vec<Place>,
     outermost_first: Vec<u32>,
-    tree: embree::Scene,
+    tree: Tree,
     times: Times,
 }
 
@@ -107,7 +110,7 @@ impl Scene {
             })
             .collect();
         let curved = Instant::now();
-        let tree = build_tree(device, &shapes, &places, filters)?;
+        let tree = Tree::new(device, &shapes, &places, filters)?;
         let times = Times {
             curve: curved - start,
             build: curved.elapsed(),
@@ -142,7 +145,7 @@ impl Scene {
             .map(|shape| Shape::new(shape.into_mesh(), form))
             .collect();
         let curved = Instant::now();
-        let tree = build_tree(device, &shapes, &places, false)?;
+        let tree = Tree::new(device, &shapes, &places, false)?;
         Ok(Self {
             shapes,
             places,
@@ -184,12 +187,15 @@ impl Scene {
 
     /// The tree.
     pub fn tree(&self) -> &embree::Scene {
-        &self.tree
+        &self.tree.scene
     }
 
-    /// The number of the placement that a hit is on: its `inst_id`, or `geom_id` where there is none.
+    /// The number of the placement that a hit is on.
+    ///
+    /// # Panics
+    /// If the hit is not one of this scene's.
     pub fn place_of(&self, hit: &Hit) -> u32 {
-        Place::number(hit)
+        self.tree.place_of(hit)
     }
 
     /// The mesh of a placement, by the placement's number.
@@ -207,7 +213,7 @@ impl Scene {
     }
 
     pub(super) fn place(&self, hit: &Hit) -> &Place {
-        &self.places[Place::number(hit) as usize]
+        &self.places[self.place_of(hit) as usize]
     }
 
     /// How many placements are instances.
@@ -247,7 +253,7 @@ impl Scene {
         MemoryParts {
             mesh: sum(|shape| shape.mesh().memory()),
             records: sum(Shape::memory) + size_of_val(&*self.places) as u64,
-            embree: self.tree.device().memory().current,
+            embree: self.tree().device().memory().current,
         }
     }
 
@@ -290,7 +296,8 @@ impl Shape {
         }
     }
 
-    fn geometry(&self, device: &Device) -> Result<Geometry, embree::Error> {
+    /// Without flat triangles that are apart.
+    pub(super) fn geometry(&self, device: &Device) -> Result<Geometry, embree::Error> {
         match self {
             Self::Flat(mesh) => Geometry::triangles(device, mesh.positions(), mesh.triangles()),
             Self::Curved(mesh) => Geometry::user(device, mesh.clone()),
@@ -384,44 +391,13 @@ fn common_origin(parts: &Parts, in_place: &[bool], bounds: &Bounds) -> DVec3 {
     }
 }
 
-/// A tree of all places; each shape that has instances gets a tree of its own.
-fn build_tree(
-    device: &Device,
-    shapes: &[Shape],
-    places: &[Place],
-    filters: bool,
-) -> Result<embree::Scene, embree::Error> {
-    // Flat triangles get the same promise as curved ones: no ray slips between them.
-    let empty = || {
-        Ok(SceneBuilder::new(device)?
-            .robust(true)
-            .query_filters(filters))
-    };
-    let mut inner: Vec<Option<embree::Scene>> = vec![None; shapes.len()];
-    let mut builder = empty()?;
-    for place in places {
-        let shape = &shapes[place.shape];
-        let Some(instance) = &place.instance else {
-            builder.attach(&shape.geometry(device)?);
-            continue;
-        };
-        let tree = match &mut inner[place.shape] {
-            Some(tree) => tree,
-            none => {
-                let mut builder = empty()?;
-                builder.attach(&shape.geometry(device)?);
-                none.insert(builder.commit()?)
-            }
-        };
-        builder.attach(&Geometry::instance(device, tree, instance.to_scene)?.commit()?);
-    }
-    builder.commit()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::curved::FlatTriangles;
     use crate::embree::{QueryOptions, RayPacket};
+    use crate::mesh::Placement;
+    use glam::DAffine3;
 
     /// A square of two triangles at this height, facing up.
     fn square(at: DVec3) -> Mesh {
@@ -456,6 +432,41 @@ mod tests {
             assert_eq!((hit.geom_id, hit.prim_id), (1, 0));
             assert!((hit.t - 8.0).abs() < 1e-5, "{}", hit.t);
             assert_eq!(scene.triangles().total(), 4);
+        }
+    }
+
+    #[test]
+    fn flat_triangles_apart_are_told_as_those_of_their_placements() {
+        let device = Device::new().unwrap();
+        let form = Form::Curved(CurvedOptions {
+            flat: FlatTriangles::Apart,
+            ..CurvedOptions::default()
+        });
+        let ball = crate::bodies::Body::sphere_tetrahedron().mesh();
+        let mut parts = Parts::from(vec![ball, square(DVec3::new(9.0, 0.0, 0.0))]);
+        // Once where it is, twice as an instance of another.
+        parts.meshes.push(square(DVec3::ZERO));
+        for x in [20.0, 30.0] {
+            parts.placements.push(Placement {
+                part: 2,
+                to_user: DAffine3::from_translation(DVec3::new(x, 0.0, 0.0)),
+            });
+        }
+        let scene = Scene::new(&device, parts, form).unwrap();
+        assert_eq!(scene.triangles().flat(), 4);
+        let hit = |x: f64, y: f64| {
+            let from = DVec3::new(x, y, 5.0) - scene.origin();
+            let mut packet = RayPacket::<1>::from_rays(&[Ray::new(from.as_vec3(), Vec3::NEG_Z)]);
+            (scene.tree()).intersect(&mut packet, &QueryOptions::default());
+            packet.hit(0).expect("something is there")
+        };
+        assert_eq!(scene.place_of(&hit(0.1, 0.1)), 0, "curved");
+        for (place, x) in [(1, 9.0), (2, 20.0), (3, 30.0)] {
+            for (prim_id, y) in [(0, 0.25), (1, 0.75)] {
+                let hit = hit(x + 0.5, y);
+                assert_eq!((scene.place_of(&hit), hit.prim_id), (place, prim_id));
+                assert!((scene.normal(&hit) - Vec3::Z).length() < 1e-6);
+            }
         }
     }
 

@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use curvetri::bodies::{self, Blob};
-use curvetri::curved::{CurvedMesh, CurvedOptions};
-use curvetri::embree::{Device, Geometry, QueryOptions, Ray, RayPacket, Scene, SceneBuilder};
+use curvetri::curved::{CurvedMesh, CurvedOptions, FlatTriangles};
+use curvetri::embree::{
+    Device, Geometry, GeometryBuilder, QueryOptions, Ray, RayPacket, Scene, SceneBuilder,
+};
 use curvetri::mesh::{LoadOptions, Mesh, Topology, load};
 use curvetri::surface::{Solver, Surface};
 use glam::Vec3;
@@ -77,10 +79,9 @@ impl Body {
     pub fn traced_with(&self, options: &CurvedOptions) -> Traced {
         let device = Device::new().expect("Embree is installed");
         let curved = Arc::new(CurvedMesh::new(self.mesh.clone(), options));
-        let scene = alone(
-            &device,
-            Geometry::user(&device, curved.clone()).unwrap().commit(),
-        );
+        let user = Geometry::user(&device, curved.clone()).unwrap();
+        let flat = curved.flat_geometry(&device).unwrap();
+        let scene = together(&device, [Some(user), flat].into_iter().flatten());
         Traced {
             name: self.name.clone(),
             curved,
@@ -89,20 +90,26 @@ impl Body {
     }
 }
 
-/// Every surface as it is by default, and the paper's own form.
+/// Every surface as it is by default, flat triangles as Embree's own, and the paper's own form.
 pub fn all_forms() -> Vec<CurvedOptions> {
     let by_default = Surface::ALL.map(|surface| CurvedOptions {
         surface,
         ..CurvedOptions::default()
     });
     let mut all = by_default.to_vec();
+    all.push(CurvedOptions {
+        flat: FlatTriangles::Apart,
+        ..CurvedOptions::default()
+    });
     all.push(CurvedOptions::paper());
     all
 }
 
-fn alone(device: &Device, geometry: Result<Geometry, curvetri::embree::Error>) -> Scene {
+fn together(device: &Device, geometries: impl Iterator<Item = GeometryBuilder>) -> Scene {
     let mut builder = SceneBuilder::new(device).unwrap().robust(true);
-    builder.attach(&geometry.unwrap());
+    for geometry in geometries {
+        builder.attach(&geometry.commit().unwrap());
+    }
     builder.commit().unwrap()
 }
 
@@ -333,6 +340,12 @@ fn inside_point(traced: &Traced, random: &mut Random) -> Vec3 {
 
 /// Rays from inside at vertices, sides and anywhere that hit nothing.
 pub fn lost_rays(traced: &Traced, count: usize) -> Tally {
+    let all: Vec<usize> = (0..traced.curved.mesh().triangles().len()).collect();
+    lost_rays_towards(traced, &all, count)
+}
+
+/// As [`lost_rays`], towards these triangles.
+pub fn lost_rays_towards(traced: &Traced, triangles: &[usize], count: usize) -> Tally {
     let mut random = Random(7);
     let mut tally = Tally::new();
     let mesh = traced.curved.mesh().clone();
@@ -341,7 +354,7 @@ pub fn lost_rays(traced: &Traced, count: usize) -> Tally {
         if n % 500 == 0 {
             origin = inside_point(traced, &mut random);
         }
-        let triangle = random.below(mesh.triangles().len());
+        let triangle = triangles[random.below(triangles.len())];
         let p = mesh.triangle_positions(triangle);
         let target = match n % 3 {
             0 => p[random.below(3)],

@@ -1,0 +1,74 @@
+//! The triangles that stay flat: traced by the curved mesh itself, or by Embree beside it.
+
+use super::prepare::PreparedMesh;
+use super::{CurvedMesh, Kinds};
+use crate::embree::{Bounds, Device, Error, Geometry, GeometryBuilder};
+use crate::surface::{FlatReason, PatchKind, PatchRecord};
+
+/// Who traces the triangles that stay flat.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FlatTriangles {
+    /// The curved mesh itself: it is one geometry of Embree's.
+    #[default]
+    Inline,
+    /// Embree, as triangles of its own in a [second geometry](CurvedMesh::flat_geometry), those whose surface
+    /// is their plane or within the [tolerance](super::CurvedOptions::tolerance) of it, where there are so
+    /// many that it pays.
+    Apart,
+}
+
+/// Of how many triangles one has to be flat for a second tree to pay, which every ray goes through as well.
+const LEAST_SHARE: usize = 8;
+
+impl FlatTriangles {
+    /// Whether those of a mesh with these triangles are.
+    pub(super) fn are_apart(self, kinds: &Kinds) -> bool {
+        let flat = kinds.flat_plane + kinds.flat_tolerance;
+        self == Self::Apart && flat > 0 && flat * LEAST_SHARE >= kinds.total()
+    }
+}
+
+/// Whether a triangle is one that may be apart: not one that is flat because the method cannot take it. Its
+/// neighbours are the wildest of patches, and on a side between them a ray may be found by neither where
+/// the flat one ends sharp, as Embree's do.
+fn may_be_apart(record: &PatchRecord) -> bool {
+    matches!(
+        record.kind(),
+        PatchKind::Flat(FlatReason::Plane | FlatReason::Asked)
+    )
+}
+
+impl PreparedMesh {
+    /// Gives the triangles that are apart empty boxes, so that no ray is asked to be tested against them.
+    pub(super) fn leave_out_flat(&mut self) {
+        for (bounds, record) in self.bounds.iter_mut().zip(&self.records) {
+            if may_be_apart(record) {
+                *bounds = Bounds::EMPTY;
+            }
+        }
+    }
+}
+
+impl CurvedMesh {
+    /// Whether a triangle is left to the flat geometry.
+    pub(super) fn is_apart(&self, triangle: u32) -> bool {
+        self.flat_apart && may_be_apart(&self.records[triangle as usize])
+    }
+
+    /// The triangles that are flat, as Embree's own, where they were asked to be [`FlatTriangles::Apart`]
+    /// and are an eighth of all or more. They are to be attached beside the curved mesh, to a scene that is
+    /// [robust](crate::embree::SceneBuilder::robust), so that no ray slips between the two. Both number the
+    /// triangles as the mesh does; the flat ones' normals are not unit. Embree keeps copies of all vertices
+    /// and indices, some 18 bytes a triangle of the mesh.
+    ///
+    /// # Errors
+    /// If there is not enough memory.
+    pub fn flat_geometry(&self, device: &Device) -> Result<Option<GeometryBuilder>, Error> {
+        if !self.flat_apart {
+            return Ok(None);
+        }
+        let keep = |n: usize| may_be_apart(&self.records[n]);
+        let (positions, triangles) = (self.mesh.positions(), self.mesh.triangles());
+        Geometry::some_triangles(device, positions, triangles, keep).map(Some)
+    }
+}
