@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::{Clock, Error, grids, median};
 use crate::curved::{CurvedMesh, CurvedOptions, FlatTriangles, Primitives};
-use crate::embree::{Device, Geometry, GeometryBuilder, Scene, SceneBuilder};
+use crate::embree::{BuildQuality, Device, Geometry, GeometryBuilder, Scene, SceneBuilder};
 use crate::mesh::{Mesh, weld};
 use crate::surface::{BoundsKind, Solver, Surface};
 
@@ -34,6 +34,8 @@ pub enum Form {
         device: &'static str,
         /// Embree's smaller tree.
         compact: bool,
+        /// How much work goes into the tree.
+        quality: BuildQuality,
     },
     /// The curved surface cut into flat triangles of Embree's own.
     Tessellated(Cut),
@@ -72,6 +74,7 @@ pub fn forms() -> Vec<NamedForm> {
         options,
         device,
         compact,
+        quality: BuildQuality::Medium,
     };
     let curved = |options| with(options, "", false);
     let plain = CurvedOptions::default();
@@ -88,6 +91,15 @@ pub fn forms() -> Vec<NamedForm> {
     add(DEFAULT, curved(plain));
     add("smooth-leaf4", with(plain, SMALL_LEAVES, false));
     add("smooth-compact", with(plain, "", true));
+    for (name, quality) in [("low", BuildQuality::Low), ("high", BuildQuality::High)] {
+        let form = Form::Curved {
+            options: plain,
+            device: "",
+            compact: false,
+            quality,
+        };
+        add(&format!("smooth-{name}"), form);
+    }
     let apart = CurvedOptions {
         flat: FlatTriangles::Apart,
         ..plain
@@ -252,7 +264,10 @@ impl Form {
                     .finish(geometry, |b| b.robust(*robust))
             }
             Self::Curved {
-                options, compact, ..
+                options,
+                compact,
+                quality,
+                ..
             } => {
                 let curved = Arc::new(CurvedMesh::new(mesh.clone(), options));
                 let mut making = Making::new(&device, (clock, start), triangles);
@@ -263,7 +278,7 @@ impl Form {
                 let robust = options.flat == FlatTriangles::Apart;
                 making.finish_all(
                     || Ok([Some(user()?), flat()?].into_iter().flatten().collect()),
-                    |b| b.compact(*compact).robust(robust),
+                    |b| b.compact(*compact).robust(robust).build_quality(*quality),
                 )
             }
             Self::Tessellated(_) => {

@@ -108,8 +108,8 @@ impl Options {
     #[must_use]
     pub fn quick() -> Self {
         let left_out = [
-            "robust", "compact", "tensor", "angular", "sphere", "ita1", "ita2", "ita4", "x4",
-            "equal",
+            "robust", "compact", "low", "high", "apart", "tensor", "angular", "sphere", "ita1",
+            "ita2", "ita4", "x4", "equal",
         ];
         let mut quick = Self::default();
         quick

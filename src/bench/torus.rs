@@ -6,6 +6,7 @@ use super::forms::{Cut, Form};
 use super::{Clock, Error, SurfaceErrors};
 use crate::bodies::Body;
 use crate::curved::{CurvedMesh, CurvedOptions};
+use crate::embree::BuildQuality;
 
 /// What a torus of 48 by 64 pieces takes as curved triangles, and what it takes to be as near to the
 /// true torus with flat ones.
@@ -37,6 +38,7 @@ pub fn torus_bytes() -> Result<TorusBytes, Error> {
         options: CurvedOptions::default(),
         device: "",
         compact: false,
+        quality: BuildQuality::Medium,
     };
     let bytes = |form: Form| Ok::<_, Error>(form.build(&mesh, parts, Clock::Wall)?.bytes.total());
     Ok(TorusBytes {
