@@ -22,6 +22,11 @@ pub enum FlatTriangles {
 /// gain a tenth and diffuse ones lose as much.
 const LEAST_SHARE: usize = 3;
 
+/// What Embree's copy of a vertex takes, and that of a triangle's indices.
+const COPY_BYTES: usize = 12;
+/// What a triangle takes of Embree's tree at most.
+const TREE_BYTES: usize = 120;
+
 impl FlatTriangles {
     /// Whether those of a mesh with these triangles are.
     pub(super) fn are_apart(self, kinds: &Kinds) -> bool {
@@ -55,6 +60,16 @@ impl CurvedMesh {
     /// Whether a triangle is left to the flat geometry.
     pub(super) fn is_apart(&self, triangle: u32) -> bool {
         self.flat_apart && may_be_apart(&self.records[triangle as usize])
+    }
+
+    /// What Embree takes at most for those that are apart.
+    pub(super) fn flat_bytes(&self) -> u64 {
+        if !self.flat_apart {
+            return 0;
+        }
+        let (triangles, vertices) = (self.records.len(), self.mesh.positions().len());
+        let flat = self.kinds.flat_plane + self.kinds.flat_tolerance;
+        (COPY_BYTES * (triangles + vertices) + TREE_BYTES * flat) as u64
     }
 
     /// The triangles that are flat, as Embree's own, where they were asked to be [`FlatTriangles::Apart`]

@@ -85,7 +85,8 @@ pub struct MemoryNeed {
     pub mesh: u64,
     /// What is kept of each curved patch.
     pub records: u64,
-    /// Embree's tree, at most.
+    /// Embree's tree, at most, with its copies of flat triangles that are
+    /// [apart](super::FlatTriangles::Apart).
     pub tree: u64,
 }
 
@@ -128,7 +129,7 @@ impl Inspection {
             memory: MemoryNeed {
                 mesh: mesh.memory() as u64,
                 records: curved.memory() as u64,
-                tree: TREE_BYTES * u64::from(curved.primitives()),
+                tree: TREE_BYTES * u64::from(curved.primitives()) + curved.flat_bytes(),
             },
         }
     }

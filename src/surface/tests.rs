@@ -320,6 +320,30 @@ fn feet_stay_in_their_triangle_however_far_rays_come_from() {
     assert!(met > 5_000, "{met}");
 }
 
+/// Found by fuzzing: the coordinates, rounded apart, once told a foot half the triangle outside.
+#[test]
+fn a_needle_s_foot_stays_in_it_under_a_ray_from_very_far() {
+    let positions: [Vector<f32>; 3] = [
+        vector(-0.22622448, 0.3204025, -0.94894063),
+        vector(-0.20649645, 0.23771979, -0.95014507),
+        vector(-0.33088812, 0.21944325, -1.0070412),
+    ];
+    let across = (positions[1] - positions[0]).cross(positions[2] - positions[0]);
+    let normals = [across.normalize(); 3];
+    let patch = Patch::<f32>::new(positions, normals, PatchFlags::default().with_flat());
+    let ray = Ray {
+        origin: vector(0.23109266, 401274.3, 2.6413533e13),
+        direction: vector(-8.3699e-12, -321018.9, -2.1130826e13),
+        tnear: 0.0,
+        tfar: f32::INFINITY,
+    };
+    let hit = patch.intersect(&ray, Solver::default());
+    assert!(hit.found);
+    let inside = -1e-4..=1.0 + 2e-4f32;
+    let b = [hit.u, hit.v, 1.0 - hit.u - hit.v];
+    assert!(b.iter().all(|b| inside.contains(b)), "{b:?}");
+}
+
 /// Neighbours overlap beyond a straight side, and a ray that meets the side must not touch the surface there
 /// and leave it again, as at a kink.
 #[test]
