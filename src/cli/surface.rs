@@ -114,6 +114,14 @@ enum SurfaceChoice {
     Smooth,
 }
 
+/// The default form of our own scenes, which may have two geometries a mesh.
+pub fn plain() -> CurvedOptions {
+    CurvedOptions {
+        flat: FlatTriangles::Apart,
+        ..CurvedOptions::default()
+    }
+}
+
 impl SurfaceArgs {
     /// What the triangles stand for, where there is no camera.
     pub fn form(&self) -> Result<Form> {
@@ -137,10 +145,7 @@ impl SurfaceArgs {
     /// The same with this length as the tolerance.
     pub fn form_within(&self, tolerance: f32) -> Result<Form> {
         let preset = match self.method {
-            MethodChoice::Default => CurvedOptions {
-                flat: FlatTriangles::Apart,
-                ..CurvedOptions::default()
-            },
+            MethodChoice::Default => plain(),
             MethodChoice::Paper => CurvedOptions::paper(),
         };
         let surface = match self.surface {

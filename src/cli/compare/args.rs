@@ -10,7 +10,7 @@ use curvetri::surface::Surface;
 
 use super::super::integrator::IntegratorArgs;
 use super::super::light::LightArgs;
-use super::super::surface::SurfaceArgs;
+use super::super::surface::{SurfaceArgs, plain};
 use super::super::view::ViewArgs;
 use super::super::{usage, values};
 use super::measure::Contestant;
@@ -147,10 +147,7 @@ impl CompareArgs {
 impl AlsoChoice {
     fn contestant(self) -> Option<Contestant> {
         let curved = |name, surface| {
-            let options = CurvedOptions {
-                surface,
-                ..CurvedOptions::default()
-            };
+            let options = CurvedOptions { surface, ..plain() };
             Contestant::curved(name, Form::Curved(options))
         };
         Some(match self {
