@@ -32,6 +32,10 @@ fn check(traced: &Traced, oracles: &Oracles, ray: &Ray, worst: &mut Worst) {
     let Some(hit) = first_hit(&traced.scene, ray) else {
         return;
     };
+    if hit.geom_id != 0 {
+        // What is apart is Embree's own triangle, u and v rounded its way.
+        return;
+    }
     let triangle = hit.prim_id as usize;
     let oracle = oracles[triangle].get_or_init(|| traced.curved.oracle(hit.prim_id));
     let point = oracle.point(f64::from(hit.u), f64::from(hit.v));

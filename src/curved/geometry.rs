@@ -239,7 +239,12 @@ impl CurvedMesh {
             .max_abs()
             .greater((positions[2] - positions[0]).max_abs());
         let reach = ray.origin.abs().max_element() + t * ray.direction.abs().max_element();
-        f32::EPSILON * (SIZE_ULPS * extent + RAY_ULPS * (reach + positions[0].max_abs()))
+        let ulps = if self.is_apart(triangle) {
+            APART_ULPS
+        } else {
+            RAY_ULPS
+        };
+        f32::EPSILON * (SIZE_ULPS * extent + ulps * (reach + positions[0].max_abs()))
     }
 }
 
@@ -247,6 +252,8 @@ impl CurvedMesh {
 const SIZE_ULPS: f32 = 64.0;
 /// Share that comes with coordinates and distance: rounding of the ray's points.
 const RAY_ULPS: f32 = 4.0;
+/// The same of triangles that Embree traces.
+const APART_ULPS: f32 = 8.0;
 
 fn ray_lanes<'a>(query: &'a QueryRays<'_>) -> RayLanes<'a> {
     RayLanes {
