@@ -19,7 +19,7 @@ pub enum FlatTriangles {
 
 /// Of how many triangles one has to be flat for a second tree to pay, which every ray goes through as well.
 /// Where one in two is, all kinds of rays gain, those from a camera threefold; where one in five is, those
-/// gain a tenth and diffuse ones lose as much.
+/// and diffuse ones gain a tenth, but bounces lose more.
 const LEAST_SHARE: usize = 3;
 
 /// What Embree's copy of a vertex takes, and that of a triangle's indices.
@@ -30,7 +30,7 @@ const TREE_BYTES: usize = 120;
 impl FlatTriangles {
     /// Whether those of a mesh with these triangles are.
     pub(super) fn are_apart(self, kinds: &Kinds) -> bool {
-        let flat = kinds.flat_plane + kinds.flat_tolerance;
+        let flat = count(kinds);
         self == Self::Apart && flat > 0 && flat * LEAST_SHARE >= kinds.total()
     }
 }
@@ -43,6 +43,11 @@ fn may_be_apart(record: &PatchRecord) -> bool {
         record.kind(),
         PatchKind::Flat(FlatReason::Plane | FlatReason::Asked)
     )
+}
+
+/// How many of a mesh's triangles [may be apart](may_be_apart).
+fn count(kinds: &Kinds) -> usize {
+    kinds.flat_plane + kinds.flat_tolerance
 }
 
 impl PreparedMesh {
@@ -68,7 +73,7 @@ impl CurvedMesh {
             return 0;
         }
         let (triangles, vertices) = (self.records.len(), self.mesh.positions().len());
-        let flat = self.kinds.flat_plane + self.kinds.flat_tolerance;
+        let flat = count(&self.kinds);
         (COPY_BYTES * (triangles + vertices) + TREE_BYTES * flat) as u64
     }
 
