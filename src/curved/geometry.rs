@@ -3,7 +3,7 @@
 use std::ops::DerefMut;
 
 use super::CurvedMesh;
-use super::clusters::{Cluster, SIZE};
+use super::cluster::{Cluster, SIZE};
 use super::counters::{count, count_callback};
 use super::laid::Laid;
 use crate::embree::{Bounds, IntersectQuery, OccludedQuery, QueryRays, SurfaceHit, UserGeometry};

@@ -237,7 +237,7 @@ mod tests {
         assert!((ball.heights.steepest - height / side).abs() < 1e-5);
         assert_eq!(ball.memory.tree, 109, "one cluster of four triangles");
         assert_eq!(ball.memory.mesh, 4 * (24 + 12));
-        assert_eq!(ball.memory.records, 4 * 32 + 104);
+        assert_eq!(ball.memory.records, 4 * 32 + 128);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! or with those as triangles of Embree's own beside it.
 
 mod advice;
+mod cluster;
 mod clusters;
 mod counters;
 mod entries;
@@ -23,7 +24,7 @@ use crate::surface::{
     BoundsKind, Corners, KeptPatch, Patch, PatchKind, PatchRecord, Solver, Surface, Vector,
 };
 
-use clusters::Cluster;
+use cluster::Cluster;
 pub use counters::{Counters, counters};
 pub use flat::FlatTriangles;
 pub use inspection::{Heights, Inspection, MemoryNeed, SideLengths};
@@ -126,7 +127,13 @@ impl CurvedMesh {
         }
         let clusters = match options.primitives {
             Primitives::Triangles => None,
-            Primitives::Clusters => Some(clusters::group(&prepared.bounds)),
+            Primitives::Clusters => {
+                let reach = |triangle: u32| {
+                    let triangle = triangle as usize;
+                    kept(&mesh, triangle, &prepared.records[triangle]).reach()
+                };
+                Some(clusters::group(&prepared.bounds, reach))
+            }
         };
         Self {
             mesh,

@@ -23,7 +23,7 @@ macro_rules! masks {
     ($(#[$doc:meta])* $mask:ident: $register:ty) => {
         $(#[$doc])*
         #[derive(Clone, Copy)]
-        pub(super) struct $mask<S: Simd>(pub $register);
+        pub(crate) struct $mask<S: Simd>(pub $register);
 
         arithmetic!($mask: BitAnd bitand, BitOr bitor);
 
@@ -62,7 +62,7 @@ macro_rules! lanes {
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
-        pub(super) struct $lanes<S: Simd>(pub $register);
+        pub(crate) struct $lanes<S: Simd>(pub $register);
 
         arithmetic!($lanes: Add add, Sub sub, Mul mul, Div div);
 

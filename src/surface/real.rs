@@ -14,7 +14,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 /// In place of `map`: code for SIMD lanes is only good where all of it is inlined, and the standard
 /// library's own loops need not be.
 #[inline(always)]
-pub(super) fn three<T>(of: impl Fn(usize) -> T) -> [T; 3] {
+pub(crate) fn three<T>(of: impl Fn(usize) -> T) -> [T; 3] {
     [of(0), of(1), of(2)]
 }
 
