@@ -5,7 +5,8 @@
 //! and traced in rounds with the baseline in between, so that what else the machine does falls on
 //! both; ratios are medians over the rounds. [`goals`] draws the project's goals from the reports.
 //!
-//! Vertices and triangles are shuffled first: locality is to be earned, not inherited.
+//! Vertices and triangles are shuffled first, as if the file had them so: locality is to be earned, not
+//! inherited.
 
 mod clock;
 mod equal;
@@ -170,7 +171,7 @@ struct Bench<'a> {
 
 impl<'a> Bench<'a> {
     fn new(subject: &Subject, options: &'a Options) -> Result<Self, Error> {
-        let mesh = Arc::new(shuffle::shuffled(&subject.mesh));
+        let mesh = Arc::new(shuffle::shuffled(&subject.mesh).ordered());
         let curved = Arc::new(CurvedMesh::new(mesh.clone(), &CurvedOptions::default()));
         let scene = curved_scene(&curved)?;
         let all = RayMaker::new(&scene, &curved, options.rays).make();

@@ -25,6 +25,7 @@ mod obj_chunk;
 mod obj_text;
 mod obj_write;
 mod off;
+mod order;
 mod parts;
 mod ply;
 mod ply_body;
@@ -288,7 +289,7 @@ impl LoadReport {
         let (mesh, made) = raw.into_mesh(options)?;
         self.normals = self.normals.add(made.normals);
         self.snapped += made.snapped;
-        Ok(mesh)
+        Ok(mesh.ordered())
     }
 
     /// Puts sentences for what has been counted before those of the reader.

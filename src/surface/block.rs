@@ -170,28 +170,30 @@ impl PatchBlock {
         which: u32,
         of: impl Fn(usize) -> KeptPatch<'a>,
     ) {
-        let mut columns = [[0.0; PATCHES]; SOURCE];
-        let (mut left, mut flags) = (which, PatchFlags::default());
+        // All are read before anything is done with one: then the processor waits for them side by side.
+        let mut all = [None; PATCHES];
+        let mut left = which;
         while left != 0 {
             let n = left.trailing_zeros() as usize;
-            let kept = of(n);
-            debug_assert!(kept.fits_block());
-            let source = kept.source();
-            if left == which {
-                // Something sound in the other lanes.
-                for (column, number) in columns.iter_mut().zip(source) {
-                    *column = [number; PATCHES];
-                }
-                flags = kept.record().flags();
-            }
-            for (column, number) in columns.iter_mut().zip(source) {
-                column[n] = number;
-            }
+            all[n] = Some(of(n));
             left &= left - 1;
         }
-        if which != 0 {
-            dispatch!(level, simd => self.lay_columns(simd, which, flags, &columns));
+        let Some(first) = all.iter().flatten().next() else {
+            return;
+        };
+        let flags = first.record().flags();
+        // Something sound in the other lanes.
+        let mut columns = first.source().map(|number| [number; PATCHES]);
+        for (n, kept) in all.iter().enumerate() {
+            let Some(kept) = kept else {
+                continue;
+            };
+            debug_assert!(kept.fits_block());
+            for (column, number) in columns.iter_mut().zip(kept.source()) {
+                column[n] = number;
+            }
         }
+        dispatch!(level, simd => self.lay_columns(simd, which, flags, &columns));
     }
 
     #[inline(always)]
