@@ -16,11 +16,11 @@ const FADE_END: f64 = 2e-4;
 const FADE_RATE: f64 = 1.0 / (9.0 * FADE_END);
 
 /// What a curvature rule says at a vertex about a plane point at `d` from it.
-struct Curvature<T> {
+pub(super) struct Curvature<T> {
     /// The curvature times the squared distance.
-    times_distance2: T,
+    pub times_distance2: T,
     /// `c |d|^2 - 2 n.d`: how far the plane point is from the vertex's sphere, before damping.
-    offset: T,
+    pub offset: T,
 }
 
 impl<S: Constant> Patch<S> {
@@ -91,13 +91,12 @@ impl<S: Constant> Patch<S> {
         let a = curvature.times_distance2 * guide2;
         let half_b = distance2 * normal_guide - curvature.times_distance2 * way_guide;
         let c = distance2 * curvature.offset * damping;
-        let discriminant = at_least(half_b * half_b - a * c, like.constant(0.0));
-        ratio_or_zero(c, half_b + discriminant.sqrt(), like.constant(1e-30))
+        near_root(a, half_b, c)
     }
 
     /// The paper's rule (19): curvature by the angle at the vertex.
     #[inline(always)]
-    fn angular<V: Real<Scalar = S>, T: Jet<V>>(
+    pub(super) fn angular<V: Real<Scalar = S>, T: Jet<V>>(
         &self,
         i: usize,
         b: [T; 3],
@@ -200,6 +199,14 @@ impl<S: Constant> Patch<S> {
         let fade = T::select(inside, T::lift(one), capped(at_least(near, zero), one));
         ratio_or_zero(bubble * sum * fade, share, like.constant(1e-20))
     }
+}
+
+/// The root of `a t^2 - 2 half_b t + c = 0` that vanishes with c.
+#[inline(always)]
+pub(super) fn near_root<V: Real, T: Jet<V>>(a: T, half_b: T, c: T) -> T {
+    let like = c.value();
+    let discriminant = at_least(half_b * half_b - a * c, like.constant(0.0));
+    ratio_or_zero(c, half_b + discriminant.sqrt(), like.constant(1e-30))
 }
 
 /// What a side's slope is divided by for its loose ends: the shares `along` and `1 - along`, held

@@ -45,6 +45,7 @@ mod ray;
 mod reach;
 mod real;
 mod record;
+mod rim;
 mod sides;
 mod single;
 mod sphere;
