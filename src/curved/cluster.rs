@@ -6,10 +6,11 @@
 //! directions are kept in a few digits they are not quite perpendicular, which nothing depends on: a box is
 //! what lies between two values along each of three directions.
 
+use fearless_simd::{Level, dispatch, f32x8, prelude::*};
 use glam::Vec3;
 
 use crate::embree::Bounds;
-use crate::surface::Reach;
+use crate::surface::{KeptPatch, PATCHES, Patches, Reach, Real, Vector, inlined, vector};
 
 /// Most triangles of a cluster.
 pub(super) const SIZE: usize = 8;
@@ -40,71 +41,88 @@ pub(super) struct Cluster {
     pub triangles: [u32; SIZE],
 }
 
-const _: () = assert!(size_of::<Cluster>() == 128);
+const _: () = assert!(size_of::<Cluster>() == 128 && SIZE == PATCHES);
 
 /// A triangle of a cluster.
-pub(super) struct Member {
+#[derive(Clone, Copy)]
+pub(super) struct Member<'a> {
     pub triangle: u32,
     /// Its box along the axes of space.
     pub bounds: Bounds,
-    /// How far it reaches, where that is known.
-    pub reach: Option<Reach>,
+    pub kept: KeptPatch<'a>,
+}
+
+/// The triangles of a cluster, one a lane.
+struct Shapes<S: Simd> {
+    reach: Reach<Patches<S>>,
+    /// The corners of their boxes along the axes of space.
+    lower: Vector<Patches<S>>,
+    upper: Vector<Patches<S>>,
 }
 
 impl Cluster {
     /// A cluster of up to [`SIZE`] triangles, at least one.
-    pub fn new(members: impl Iterator<Item = Member>) -> Self {
-        let mut all = Bounds::EMPTY;
-        let mut list = [const { None }; SIZE];
-        for (place, member) in list.iter_mut().zip(members) {
-            all = all.union(member.bounds);
-            *place = Some(member);
-        }
+    pub fn new(members: &[Member<'_>]) -> Self {
+        dispatch!(Level::new(), simd => simd.vectorize(
+            #[inline(always)]
+            || Self::of(simd, members)
+        ))
+    }
+
+    #[inline(always)]
+    fn of<S: Simd>(simd: S, members: &[Member<'_>]) -> Self {
+        let shapes = Shapes::new(simd, members);
+        let boxes = members.iter().map(|member| member.bounds);
+        let all = boxes.fold(Bounds::EMPTY, Bounds::union);
         let mut cluster = Self {
             lower: all.lower.to_array(),
             upper: all.upper.to_array(),
             directions: [[0; 4]; 3],
-            step: [f32::MIN_POSITIVE; 3],
+            step: [0.0; 3],
             from: [[0; SIZE]; 3],
             to: [[0; SIZE]; 3],
             triangles: [NONE; SIZE],
         };
-        for (axis, direction) in directions(&list).into_iter().enumerate() {
+        for (axis, direction) in shapes.directions(members.len()).into_iter().enumerate() {
             for (to, component) in cluster.directions.iter_mut().zip(direction.to_array()) {
                 to[axis] = (component * STEPS).round() as i8;
             }
         }
         for axis in 0..3 {
-            let ranges = list.each_ref().map(|member| {
-                let range = |member| cluster.range(axis, member);
-                member.as_ref().map_or([0.0; 2], range)
-            });
-            let furthest = ranges.as_flattened().iter();
-            let step = step(furthest.fold(0f32, |furthest, end| furthest.max(end.abs())));
+            let [from, to] = cluster.ranges(axis, &shapes);
+            let step = step(furthest(from).max(furthest(to)));
             cluster.step[axis] = step;
-            for (n, [from, to]) in ranges.into_iter().enumerate() {
-                cluster.from[axis][n] = steps_below(from, step);
-                cluster.to[axis][n] = -steps_below(-to, step);
-            }
+            cluster.from[axis] = steps_below(from, step).map(|steps| steps as i8);
+            cluster.to[axis] = steps_below(-to, step).map(|steps| -steps as i8);
         }
-        for (place, member) in cluster.triangles.iter_mut().zip(list.iter().flatten()) {
+        for (place, member) in cluster.triangles.iter_mut().zip(members) {
             *place = member.triangle;
         }
         cluster
     }
 
-    /// What a triangle takes up along a direction, from the middle.
-    fn range(&self, axis: usize, member: &Member) -> [f32; 2] {
-        let (direction, middle) = (self.direction(axis), self.middle());
-        let corners = [member.bounds.lower, member.bounds.upper];
-        let [a, b] = corners.map(|corner| direction * (corner - middle));
-        let (mut from, mut to) = (a.min(b).element_sum(), a.max(b).element_sum());
-        if let Some(reach) = &member.reach {
-            let known = reach.along(direction.into(), middle.into());
-            (from, to) = (from.max(known[0]), to.min(known[1]));
-        }
-        let room = self.extent() * ROUNDING;
-        [from - room, to + room]
+    /// What each triangle takes up along a direction, from the middle.
+    #[inline(always)]
+    fn ranges<S: Simd>(&self, axis: usize, shapes: &Shapes<S>) -> [Patches<S>; 2] {
+        let like = shapes.lower.x;
+        let all = inlined(
+            #[inline(always)]
+            |of: Vec3| {
+                let [x, y, z] = of.to_array().map(f64::from);
+                vector(like.constant(x), like.constant(y), like.constant(z))
+            },
+        );
+        let (direction, middle) = (all(self.direction(axis)), all(self.middle()));
+        let (lower, upper) = (shapes.lower - middle, shapes.upper - middle);
+        let x = [direction.x * lower.x, direction.x * upper.x];
+        let y = [direction.y * lower.y, direction.y * upper.y];
+        let z = [direction.z * lower.z, direction.z * upper.z];
+        let least = x[0].lesser(x[1]) + y[0].lesser(y[1]) + z[0].lesser(z[1]);
+        let most = x[0].greater(x[1]) + y[0].greater(y[1]) + z[0].greater(z[1]);
+        // Both are right.
+        let [from, to] = shapes.reach.along(direction, middle);
+        let room = like.constant((self.extent() * ROUNDING).into());
+        [from.greater(least) - room, to.lesser(most) + room]
     }
 
     /// The common box's middle, from which steps are counted.
@@ -161,17 +179,64 @@ impl Cluster {
 /// All places of a cluster, one bit each.
 const ALL: u32 = u32::MAX >> (u32::BITS as usize - SIZE);
 
-/// Along a triangle's side, across it, and along the mean of the normals: of unit length.
-fn directions(members: &[Option<Member>; SIZE]) -> [Vec3; 3] {
-    let reaches = || members.iter().flatten().filter_map(|m| m.reach.as_ref());
-    let normals = reaches().map(|reach| Vec3::from(reach.normal()));
-    let up = normals.sum::<Vec3>().normalize_or(Vec3::Z);
-    let side = reaches().next().map_or(Vec3::ZERO, |r| r.side().into());
-    // Scaled first: its square may be too small a number.
-    let side = side / side.abs().max_element().max(f32::MIN_POSITIVE);
-    let across = up.cross(side);
-    let across = across.normalize_or(up.any_orthonormal_vector());
-    [across.cross(up), across, up]
+impl<S: Simd> Shapes<S> {
+    #[inline(always)]
+    fn new(simd: S, members: &[Member<'_>]) -> Self {
+        // Something sound in the lanes without a triangle.
+        let member = |n: usize| &members[if n < members.len() { n } else { 0 }];
+        let corners = inlined(
+            #[inline(always)]
+            |corner: fn(&Bounds) -> Vec3| {
+                let mut columns = [[0.0; SIZE]; 3];
+                for n in 0..SIZE {
+                    for (column, number) in
+                        columns.iter_mut().zip(corner(&member(n).bounds).to_array())
+                    {
+                        column[n] = number;
+                    }
+                }
+                let number = inlined(
+                    #[inline(always)]
+                    |axis: usize| Patches(f32x8::from_slice(simd, &columns[axis])),
+                );
+                vector(number(0), number(1), number(2))
+            },
+        );
+        Self {
+            reach: Reach::of_patches(simd, |n| member(n).kept),
+            lower: corners(|bounds| bounds.lower),
+            upper: corners(|bounds| bounds.upper),
+        }
+    }
+
+    /// Along the first triangle's first side, across it, and along the mean of the first so many normals: of
+    /// unit length.
+    #[inline(always)]
+    fn directions(&self, count: usize) -> [Vec3; 3] {
+        let Vector { x, y, z } = self.reach.normal();
+        let sum = |of: Patches<S>| numbers(of)[..count].iter().sum::<f32>();
+        let up = Vec3::new(sum(x), sum(y), sum(z)).normalize_or(Vec3::Z);
+        let Vector { x, y, z } = self.reach.side();
+        let side = Vec3::new(numbers(x)[0], numbers(y)[0], numbers(z)[0]);
+        // Scaled first: its square may be too small a number.
+        let side = side / side.abs().max_element().max(f32::MIN_POSITIVE);
+        let across = up.cross(side);
+        let across = across.normalize_or(up.any_orthonormal_vector());
+        [across.cross(up), across, up]
+    }
+}
+
+#[inline(always)]
+fn numbers<S: Simd>(of: Patches<S>) -> [f32; SIZE] {
+    let mut numbers = [0.0; SIZE];
+    of.0.store_slice(&mut numbers);
+    numbers
+}
+
+/// The greatest absolute value.
+#[inline(always)]
+fn furthest<S: Simd>(of: Patches<S>) -> f32 {
+    numbers(of.abs()).into_iter().fold(0.0, f32::max)
 }
 
 /// The least step such that [`STEPS`] of them lead this far, whatever the rounding.
@@ -183,13 +248,14 @@ fn step(furthest: f32) -> f32 {
     step.max(f32::MIN_POSITIVE)
 }
 
-/// The greatest number of steps that leads no further than this.
-fn steps_below(to: f32, step: f32) -> i8 {
-    let mut steps = (to / step).floor().clamp(-STEPS, STEPS) as i8;
-    while f32::from(steps) > -STEPS && f32::from(steps) * step > to {
-        steps -= 1;
-    }
-    steps
+/// The greatest numbers of steps that lead no further than these.
+#[inline(always)]
+fn steps_below<S: Simd>(to: Patches<S>, step: f32) -> [f32; SIZE] {
+    let (step, one) = (to.constant(step.into()), to.constant(1.0));
+    let steps = Patches((to / step).0.floor());
+    // Where the quotient was rounded up.
+    let steps = Patches::select(to.less(steps * step), steps - one, steps);
+    numbers(steps.greater(to.constant((-STEPS).into())))
 }
 
 #[cfg(test)]
@@ -237,12 +303,8 @@ pub(super) mod tests {
                 .collect()
         }
 
-        pub fn reach(&self, triangle: u32) -> Option<Reach> {
-            self.kept(triangle).reach()
-        }
-
         pub fn clusters(&self) -> Box<[Cluster]> {
-            group(&self.boxes(), |triangle| self.reach(triangle))
+            group(&self.boxes(), |triangle| self.kept(triangle))
         }
 
         /// Some point of a triangle's surface.
@@ -254,7 +316,7 @@ pub(super) mod tests {
             self.kept(triangle).patch().point(u, v).position.into()
         }
 
-        fn kept(&self, triangle: u32) -> KeptPatch<'_> {
+        pub fn kept(&self, triangle: u32) -> KeptPatch<'_> {
             let (corners, Prepared { record, .. }) = &self.0[triangle as usize];
             let record: &PatchRecord = record;
             KeptPatch::new(*corners, record)
@@ -308,22 +370,18 @@ pub(super) mod tests {
     fn neighbours_in_a_plane_have_thin_boxes() {
         let up = vec3(0.48, 0.6, 0.64);
         let (along, across) = (vec3(0.8, 0.0, -0.6), up.cross(vec3(0.8, 0.0, -0.6)));
-        let members = (0..SIZE as u32).map(|triangle| {
-            let at = along * (triangle / 2) as f32 + across * (triangle % 2) as f32;
-            let positions = [at, at + along, at + across].map(Into::into);
-            let corners = Corners {
-                positions,
-                normals: [up.into(); 3],
-            };
-            let prepared = Prepared::new(&corners, PatchFlags::default());
-            let [lower, upper] = prepared.bounds.map(Vec3::from);
-            Member {
-                triangle,
-                bounds: Bounds { lower, upper },
-                reach: KeptPatch::new(corners, &prepared.record).reach(),
-            }
-        });
-        let cluster = Cluster::new(members);
+        let shapes: Vec<(Corners, Prepared)> = (0..SIZE)
+            .map(|triangle| {
+                let at = along * (triangle / 2) as f32 + across * (triangle % 2) as f32;
+                let positions = [at, at + along, at + across].map(Into::into);
+                let corners = Corners {
+                    positions,
+                    normals: [up.into(); 3],
+                };
+                (corners, Prepared::new(&corners, PatchFlags::default()))
+            })
+            .collect();
+        let cluster = &Triangles(shapes).clusters()[0];
         for n in 0..SIZE {
             let [a, b, height] = [0, 1, 2].map(|axis| {
                 let steps = f32::from(cluster.to[axis][n]) - f32::from(cluster.from[axis][n]);

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::cluster::{Cluster, Member, SIZE};
 use crate::embree::Bounds;
-use crate::surface::Reach;
+use crate::surface::KeptPatch;
 
 /// A triangle where its box's centre is, twice as far from the origin.
 #[derive(Clone, Copy)]
@@ -26,11 +26,11 @@ impl Centre {
     }
 }
 
-/// Groups triangles by place, each with its box and what is known of how far it reaches. Triangles with an
-/// empty box are left out: nothing hits them.
-pub(super) fn group(
+/// Groups triangles by place, each with its box and what is kept of it. Triangles with an empty box are left
+/// out: nothing hits them.
+pub(super) fn group<'a>(
     boxes: &[Bounds],
-    reach: impl Fn(u32) -> Option<Reach> + Sync,
+    kept: impl Fn(u32) -> KeptPatch<'a> + Sync,
 ) -> Box<[Cluster]> {
     let mut centres: Vec<Centre> = (0..boxes.len() as u32)
         .into_par_iter()
@@ -45,12 +45,16 @@ pub(super) fn group(
     centres
         .par_chunks(SIZE)
         .map(|members| {
-            let members = members.iter().map(|&Centre { triangle, .. }| Member {
+            let member = |&Centre { triangle, .. }: &Centre| Member {
                 triangle,
                 bounds: boxes[triangle as usize],
-                reach: reach(triangle),
-            });
-            Cluster::new(members)
+                kept: kept(triangle),
+            };
+            let mut list = [member(&members[0]); SIZE];
+            for (place, centre) in list.iter_mut().zip(members).skip(1) {
+                *place = member(centre);
+            }
+            Cluster::new(&list[..members.len()])
         })
         .collect()
 }
@@ -107,7 +111,7 @@ mod tests {
             for empty in boxes.iter_mut().step_by(11) {
                 *empty = Bounds::EMPTY;
             }
-            let clusters = group(&boxes, |triangle| triangles.reach(triangle));
+            let clusters = group(&boxes, |triangle| triangles.kept(triangle));
             let all = clusters.iter().flat_map(|cluster| cluster.triangles);
             let mut seen: Vec<u32> = all.filter(|&triangle| triangle != NONE).collect();
             assert_eq!(clusters.len(), seen.len().div_ceil(SIZE));

@@ -128,11 +128,11 @@ impl CurvedMesh {
         let clusters = match options.primitives {
             Primitives::Triangles => None,
             Primitives::Clusters => {
-                let reach = |triangle: u32| {
+                let kept = |triangle: u32| {
                     let triangle = triangle as usize;
-                    kept(&mesh, triangle, &prepared.records[triangle]).reach()
+                    kept(&mesh, triangle, &prepared.records[triangle])
                 };
-                Some(clusters::group(&prepared.bounds, reach))
+                Some(clusters::group(&prepared.bounds, kept))
             }
         };
         Self {

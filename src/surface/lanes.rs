@@ -158,7 +158,7 @@ lanes! {
 }
 
 /// How many patches [`Patches`] are of.
-pub(super) const PATCHES: usize = 8;
+pub(crate) const PATCHES: usize = 8;
 
 impl<S: Simd> Constant for Patches<S> {
     const PRECISION: f64 = f32::EPSILON as f64;

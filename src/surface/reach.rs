@@ -1,76 +1,143 @@
-//! How far a curved triangle reaches along any direction, from what is kept of it.
+//! How far curved triangles reach along any direction, from what is kept of them.
+
+use fearless_simd::{f32x8, prelude::*};
 
 use super::frame::Frame;
 use super::kept::KeptPatch;
-use super::vector::Vector;
+use super::lanes::{PATCHES, Patches};
+use super::real::{Constant, inlined, three};
+use super::vector::{Vector, vector};
 
-/// Below this cosine between a vertex normal and the plane's, guides may lean without bound.
-const MIN_COSINE: f32 = 0.05;
+/// Below this cosine between a vertex normal and the plane's, guides may lean more than can be said ...
+const MIN_COSINE: f64 = 0.05;
+/// ... which is this much.
+const ANY_LEAN: f64 = 1e6;
+/// Numbers of a triangle: its vertices' positions and normals, and the slab.
+const SOURCE: usize = 20;
 
 /// A triangle in its plane and what its surface may stand out from there, for its box along any direction.
 #[derive(Clone, Copy, Debug)]
-pub struct Reach {
-    corners: [Vector<f32>; 3],
-    normal: Vector<f32>,
-    heights: [f32; 2],
+pub struct Reach<V> {
+    corners: [Vector<V>; 3],
+    normal: Vector<V>,
+    heights: [V; 2],
     /// How far a guide leans beside the normal at the most, for a unit of height.
-    lean: f32,
+    lean: V,
 }
 
-impl KeptPatch<'_> {
-    /// How far the surface reaches; none where there is no surface, and where its vertex normals lie so flat
-    /// that this is more than can be said.
-    pub fn reach(&self) -> Option<Reach> {
-        let corners = self.corners();
-        let frame = Frame::new(&corners.positions, &corners.normals)?;
-        let normal = frame.cross * (frame.winding / frame.area2);
-        let (mut heights, mut lean) = ([0.0; 2], 0.0);
-        if let Some(slab) = self.record().slab::<f32>() {
-            let cosines = corners.normals.map(|n| n.dot(normal));
-            let least = cosines.into_iter().fold(1.0, f32::min);
-            // A guide stands on a sum of normals, which leans no more than they do.
-            lean = (1.0 - least * least).max(0.0).sqrt() / least;
-            if !(MIN_COSINE < least) {
-                return None;
-            }
-            heights = slab.map(|height| height * frame.size);
-        }
-        Some(Reach {
-            corners: corners.positions,
+impl<V: Constant> Reach<V> {
+    /// Of a triangle over three positions with unit normals, with a surface within these least and greatest
+    /// heights in units of the [size](super::Patch::size). Of a plane triangle both are zero.
+    #[inline(always)]
+    pub fn new(positions: [Vector<V>; 3], normals: &[Vector<V>; 3], slab: [V; 2]) -> Self {
+        let frame = Frame::of_sound(&positions, normals);
+        let (zero, one) = (frame.area2.constant(0.0), frame.area2.constant(1.0));
+        let has_plane = zero.less(frame.area2);
+        let per_area = frame.winding / V::select(has_plane, frame.area2, one);
+        let plane = frame.cross * per_area;
+        let either = inlined(
+            #[inline(always)]
+            |a: V, b: V| V::select(has_plane, a, b),
+        );
+        let beside = normals[0];
+        let normal = vector(
+            either(plane.x, beside.x),
+            either(plane.y, beside.y),
+            either(plane.z, beside.z),
+        );
+        let [a, b, c] = three(
+            #[inline(always)]
+            |i| normals[i].dot(normal),
+        );
+        // A guide stands on a sum of normals, which leans no more than they do.
+        let least = a.lesser(b).lesser(c);
+        let known = one.constant(MIN_COSINE).less(least);
+        let sine = (one - least * least).greater(zero).sqrt();
+        let lean = V::select(known, sine, one.constant(ANY_LEAN)) / V::select(known, least, one);
+        Self {
+            corners: positions,
             normal,
-            heights,
+            heights: [slab[0] * frame.size, slab[1] * frame.size],
             lean,
-        })
+        }
     }
-}
 
-impl Reach {
     /// The plane's unit normal, turned to agree with the vertex normals.
-    pub fn normal(&self) -> Vector<f32> {
+    #[inline(always)]
+    pub fn normal(&self) -> Vector<V> {
         self.normal
     }
 
     /// The way from the first vertex to the second.
-    pub fn side(&self) -> Vector<f32> {
+    #[inline(always)]
+    pub fn side(&self) -> Vector<V> {
         self.corners[1] - self.corners[0]
     }
 
     /// The least and the greatest value that the scalar product with a direction takes over the surface, seen
     /// from a point; but for rounding.
-    pub fn along(&self, direction: Vector<f32>, from: Vector<f32>) -> [f32; 2] {
-        let [a, b, c] = self.corners.map(|corner| direction.dot(corner - from));
+    #[inline(always)]
+    pub fn along(&self, direction: Vector<V>, from: Vector<V>) -> [V; 2] {
+        let [a, b, c] = three(
+            #[inline(always)]
+            |i| direction.dot(self.corners[i] - from),
+        );
+        let zero = a.constant(0.0);
         let upright = direction.dot(self.normal);
-        let aside = (direction.dot(direction) - upright * upright).max(0.0);
+        let aside = (direction.dot(direction) - upright * upright).greater(zero);
         let beside = aside.sqrt() * self.lean;
+        let [least, most] = self.heights;
+        let (near, far) = (upright - beside, upright + beside);
+        let [p, q, r, s] = [least * near, least * far, most * near, most * far];
         // Heights are zero at the corners.
-        let (mut lower, mut upper) = (0f32, 0f32);
-        for height in self.heights {
-            for way in [upright - beside, upright + beside] {
-                lower = lower.min(height * way);
-                upper = upper.max(height * way);
+        [
+            a.lesser(b).lesser(c) + zero.lesser(p).lesser(q).lesser(r).lesser(s),
+            a.greater(b).greater(c) + zero.greater(p).greater(q).greater(r).greater(s),
+        ]
+    }
+}
+
+impl KeptPatch<'_> {
+    #[inline(always)]
+    fn reach_source(&self) -> [f32; SOURCE] {
+        let mut source = [0.0; SOURCE];
+        let corners = self.corners();
+        let vertices = corners.positions.iter().chain(&corners.normals);
+        for (to, from) in source.chunks_exact_mut(3).zip(vertices) {
+            to.copy_from_slice(&from.to_array());
+        }
+        source[18..].copy_from_slice(&self.record().slab().unwrap_or([0.0; 2]));
+        source
+    }
+}
+
+impl<S: Simd> Reach<Patches<S>> {
+    /// Of eight triangles, none without area, one a lane.
+    #[inline(always)]
+    pub(crate) fn of_patches<'a>(simd: S, of: impl Fn(usize) -> KeptPatch<'a>) -> Self {
+        let mut columns = [[0.0; PATCHES]; SOURCE];
+        for n in 0..PATCHES {
+            for (column, number) in columns.iter_mut().zip(of(n).reach_source()) {
+                column[n] = number;
             }
         }
-        [a.min(b).min(c) + lower, a.max(b).max(c) + upper]
+        let number = inlined(
+            #[inline(always)]
+            |n: usize| Patches(f32x8::from_slice(simd, &columns[n])),
+        );
+        let corners = inlined(
+            #[inline(always)]
+            |first: usize| {
+                three(
+                    #[inline(always)]
+                    |k| {
+                        let n = first + 3 * k;
+                        vector(number(n), number(n + 1), number(n + 2))
+                    },
+                )
+            },
+        );
+        Self::new(corners(0), &corners(9), [number(18), number(19)])
     }
 }
 
@@ -92,10 +159,11 @@ mod tests {
             };
             let record = Prepared::new(&corners, PatchFlags::new(Surface::ALL[n % 3])).record;
             let kept = KeptPatch::new(corners, &record);
-            let Some(reach) = kept.reach() else {
-                assert_ne!(record.kind(), PatchKind::Curved);
+            if record.kind() == PatchKind::Degenerate {
                 continue;
-            };
+            }
+            let slab = record.slab().unwrap_or([0.0; 2]);
+            let reach = Reach::new(corners.positions, &corners.normals, slab);
             let (patch, from) = (kept.patch(), corners.positions[n % 3]);
             let direction = Vector::from_f64(random.direction());
             let [lower, upper] = reach.along(direction, from);
