@@ -44,16 +44,16 @@ impl Cluster {
     fn entries_of<S: Simd>(&self, simd: S, ray: &Ray) -> Entries {
         let (mut from, mut to) = (f32x8::splat(simd, ray.tnear), f32x8::splat(simd, ray.tfar));
         let ways = self.ways_of(simd, ray);
-        for (way, (lower, upper)) in ways.iter().zip(self.from.iter().zip(&self.to)) {
-            let at = inlined(
+        for (way, ends) in ways.iter().zip(self.from.iter().zip(&self.to)) {
+            let in_lanes = inlined(
                 #[inline(always)]
-                |steps: &[i8; SIZE]| {
-                    f32x8::from_slice(simd, &in_steps(steps)) * way.step + way.start
-                },
+                |steps| f32x8::from_slice(simd, &in_steps(steps)),
             );
-            let (a, b) = (at(lower), at(upper));
-            from = from.max(a.min(b) - way.room);
-            to = to.min(a.max(b) + way.room);
+            let (lower, upper) = (in_lanes(ends.0), in_lanes(ends.1));
+            let middle = (lower + upper) * (0.5 * way.step) + way.start;
+            let half = (upper - lower) * (0.5 * way.step.abs()) + way.room;
+            from = from.max(middle - half);
+            to = to.min(middle + half);
         }
         let met = from.simd_le(to).to_bitmask() as u32;
         let triangles = u32x8::from_slice(simd, &self.triangles);
@@ -114,7 +114,14 @@ impl Cluster {
             #[inline(always)]
             |of: &[[i8; SIZE]; 3]| [in_steps(&of[0]), in_steps(&of[1]), in_steps(&of[2])],
         );
-        let (lower, upper) = (columns(&self.from), columns(&self.to));
+        let (mut middle, mut half) = (columns(&self.from), columns(&self.to));
+        for (a, b) in middle
+            .as_flattened_mut()
+            .iter_mut()
+            .zip(half.as_flattened_mut())
+        {
+            (*a, *b) = ((*a + *b) * 0.5, (*b - *a) * 0.5);
+        }
         for first in (0..rays.tnear.len().min(MAX_LANES)).step_by(S::f32s::LEN) {
             let ways = self.ways::<S>(simd, rays, first);
             let tnear = load_lanes(simd, rays.tnear, first);
@@ -126,10 +133,10 @@ impl Cluster {
                 }
                 let (mut from, mut to) = (tnear, tfar);
                 for (axis, way) in ways.iter().enumerate() {
-                    let a = way.start.0 + way.step.0 * lower[axis][n];
-                    let b = way.start.0 + way.step.0 * upper[axis][n];
-                    from = from.max(a.min(b) - way.room.0);
-                    to = to.min(a.max(b) + way.room.0);
+                    let middle = way.step.0 * middle[axis][n] + way.start.0;
+                    let half = way.step.0.abs() * half[axis][n] + way.room.0;
+                    from = from.max(middle - half);
+                    to = to.min(middle + half);
                 }
                 let met = from.simd_le(to).to_bitmask() as u32 & valid;
                 entries.met[n] |= met << first;

@@ -183,7 +183,10 @@ impl PatchBlock {
         };
         let flags = first.record().flags();
         // Something sound in the other lanes.
-        let mut columns = first.source().map(|number| [number; PATCHES]);
+        let mut columns = [[0.0; PATCHES]; SOURCE];
+        for (column, number) in columns.iter_mut().zip(first.source()) {
+            *column = [number; PATCHES];
+        }
         for (n, kept) in all.iter().enumerate() {
             let Some(kept) = kept else {
                 continue;

@@ -81,7 +81,8 @@ impl<S: Simd, const N: usize> Visitor<Patches<S>> for Store<'_, S, N> {
     #[inline(always)]
     fn truth(&mut self, at: usize, truth: &mut PatchMask<S>) {
         let simd = truth.0.token();
-        let [zero, one] = [0.0, 1.0].map(|value| Patches(f32x8::splat(simd, value)));
+        let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+        let (zero, one) = (Patches(zero), Patches(one));
         self.number(at, &mut Patches::select(*truth, one, zero));
     }
 }

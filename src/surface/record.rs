@@ -2,7 +2,7 @@
 
 use super::flags::PatchFlags;
 use super::patch::{FlatReason, Patch, PatchKind};
-use super::real::{Constant, Scalar, each, inlined};
+use super::real::{Constant, Scalar, each, inlined, three};
 use super::sphere::Enlargement;
 
 /// The per-triangle results worth keeping: with the three vertices they give the patch back
@@ -102,8 +102,17 @@ impl PatchRecord {
     #[inline(always)]
     pub(super) fn correction<S: Scalar>(&self) -> [[S; 3]; 3] {
         let unit = power_of_two(self.exponent.into());
-        self.correction
-            .map(|side| side.map(|c| S::from_f64((f32::from(c) * unit).into())))
+        // Not by `map`, which is called, and the vectors' halves of it wait for each other.
+        three(
+            #[inline(always)]
+            |k| {
+                let side = &self.correction[k];
+                three(
+                    #[inline(always)]
+                    |n| S::from_f64((f32::from(side[n]) * unit).into()),
+                )
+            },
+        )
     }
 }
 

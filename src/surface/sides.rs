@@ -207,7 +207,10 @@ pub(super) fn sides<S: Constant>(
                 bulge: zero,
                 damping: damping * damped,
                 correction: [zero; 3],
-                loose: [next(next(k)), next(k)].map(|other| !straight && flags.is_straight(other)),
+                loose: [
+                    !straight && flags.is_straight(next(next(k))),
+                    !straight && flags.is_straight(next(k)),
+                ],
             }
         },
     );
