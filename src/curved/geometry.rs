@@ -85,10 +85,7 @@ impl CurvedMesh {
         let cluster = &clusters[prim as usize];
         if query.valid().count_ones() < MIN_PACKET {
             for lane in query.lanes() {
-                let mut entries = cluster.entries(&query.ray(lane));
-                while let Some(n) = entries.next(query.tfar()[lane]) {
-                    self.trace_triangle(query, cluster.triangle(n), 1 << lane, normals, report);
-                }
+                self.trace_lane(query, cluster, lane, normals, report);
             }
             return;
         }
@@ -103,6 +100,30 @@ impl CurvedMesh {
         // Lanes that are occluded by now are valid no more.
         while let Some((n, lanes)) = entries.next(query.tfar(), query.valid()) {
             self.trace_triangle(query, cluster.triangle(n), lanes, normals, report);
+        }
+    }
+
+    /// Offers the roots of one ray of a query on a cluster's triangles.
+    fn trace_lane<'a, Q: DerefMut<Target = QueryRays<'a>>>(
+        &self,
+        query: &mut Q,
+        cluster: &Cluster,
+        lane: usize,
+        normals: bool,
+        report: impl Fn(&mut Q, usize, SurfaceHit) -> bool,
+    ) {
+        let mut entries = cluster.entries(&query.ray(lane));
+        // All are read before anything is done with one: then the processor waits for them side by side.
+        let mut patches = [None; SIZE];
+        for n in lanes(entries.met) {
+            patches[n] = Some(self.kept(cluster.triangle(n)));
+        }
+        while let Some(n) = entries.next(query.tfar()[lane]) {
+            if let Some(patch) = &patches[n] {
+                query.set_prim_id(cluster.triangle(n));
+                let ray = kernel_ray(&query.ray(lane));
+                self.offer_roots(patch, ray, normals, |hit| report(query, lane, hit));
+            }
         }
     }
 

@@ -46,7 +46,7 @@ impl<S: Constant> Frame<S> {
     fn scaled(origin: Vector<S>, edges: [Vector<S>; 3], extent: S) -> Self {
         let one = extent.constant(1.0);
         let size = extent.power_of_two();
-        let unit = one / size;
+        let unit = size.per_power_of_two();
         let edges = three(
             #[inline(always)]
             |k| edges[k] * unit,

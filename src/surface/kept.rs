@@ -28,6 +28,8 @@ impl Corners {
 #[derive(Clone, Copy, Debug)]
 pub struct KeptPatch<'a> {
     corners: Corners,
+    /// The record's, so that the record is read when the vertices are.
+    pub(super) slab: [f32; 2],
     record: &'a PatchRecord,
 }
 
@@ -35,7 +37,11 @@ impl<'a> KeptPatch<'a> {
     /// The patch over these vertices whose [record](Patch::record) this is.
     #[inline(always)]
     pub fn new(corners: Corners, record: &'a PatchRecord) -> Self {
-        Self { corners, record }
+        Self {
+            corners,
+            slab: record.slab,
+            record,
+        }
     }
 
     pub(super) fn corners(&self) -> &Corners {

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use fearless_simd::{f32x4, f32x8, mask32x4, mask32x8, prelude::*};
+use fearless_simd::{f32x4, f32x8, mask32x4, mask32x8, prelude::*, u32x8};
 
 use super::real::{Constant, Mask, Real, atan2};
 
@@ -166,5 +166,10 @@ impl<S: Simd> Constant for Patches<S> {
     #[inline(always)]
     fn power_of_two(self) -> Self {
         Self(f32x8::from_bits(self.0.to_bits() & 0x7f80_0000))
+    }
+    #[inline(always)]
+    fn per_power_of_two(self) -> Self {
+        let twice_one = u32x8::splat(self.0.token(), 2 * 1f32.to_bits());
+        Self(f32x8::from_bits(twice_one - self.0.to_bits()))
     }
 }

@@ -137,6 +137,10 @@ pub trait Constant: Real<Scalar = Self> + std::fmt::Debug {
     /// Dividing by it is exact, so two triangles that share a side get bit-equal numbers of it,
     /// whatever their own sizes.
     fn power_of_two(self) -> Self;
+
+    /// One over a power of two that is neither the least nor the greatest: exact, and without waiting for a
+    /// division.
+    fn per_power_of_two(self) -> Self;
 }
 
 /// `f32` or `f64`.
@@ -208,6 +212,11 @@ macro_rules! scalar {
             #[inline(always)]
             fn power_of_two(self) -> Self {
                 $float::from_bits(self.to_bits() & $exponent_bits)
+            }
+            #[inline(always)]
+            fn per_power_of_two(self) -> Self {
+                // Exponents are kept with the bias added, which the exponent of one is: 0 turned round.
+                $float::from_bits((2 * $float::to_bits(1.0)).wrapping_sub(self.to_bits()))
             }
         }
 
@@ -345,6 +354,15 @@ mod tests {
             assert!(error < 3e-7, "{x} {y}: {error:e}");
         }
         assert_eq!(Real::atan2(0.0f32, 0.0), 0.0);
+    }
+
+    #[test]
+    fn one_over_a_power_of_two_is_exact() {
+        for exponent in -125..126 {
+            let power = 2f32.powi(exponent);
+            assert_eq!(power.per_power_of_two(), 1.0 / power);
+            assert_eq!(f64::from(power).per_power_of_two(), 1.0 / f64::from(power));
+        }
     }
 
     #[test]

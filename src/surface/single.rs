@@ -9,6 +9,7 @@ use super::frame::Frame;
 use super::hull::{Interval, Plane, localized};
 use super::kept::{Corners, KeptPatch};
 use super::lanes::Quad;
+use super::patch::PatchKind;
 use super::ray::Ray;
 use super::real::{Constant, Mask, Real, inlined, three};
 use super::vector::{Vector, vector};
@@ -31,8 +32,9 @@ impl KeptPatch<'_> {
     /// The least and the greatest height, where the surface is curved and these bound it.
     #[inline(always)]
     pub(super) fn single_slab(&self) -> Option<[f32; 2]> {
-        let slab = self.record().slab();
-        slab.filter(|_| self.record().flags().bounds() == BoundsKind::Tight)
+        let record = self.record();
+        let curved = matches!(record.kind(), PatchKind::Curved | PatchKind::Fallback);
+        (curved && record.flags().bounds() == BoundsKind::Tight).then_some(self.slab)
     }
 }
 
@@ -47,7 +49,7 @@ impl<S: Simd> Single<S> {
         let [a, b, c, _] = numbers(edges.max_abs());
         let extent = a.greater(b).greater(c);
         let size = extent.power_of_two();
-        let edges = edges * like.splat(1.0 / size);
+        let edges = edges * like.splat(size.per_power_of_two());
         let lengths2 = edges.dot(edges);
         // Of each side with the next one.
         let crosses = vectors(edges.cross(next(simd, edges)));
@@ -105,7 +107,7 @@ impl<S: Simd> Single<S> {
     /// The same as [`Outline::clip`](super::Outline::clip).
     #[inline(always)]
     pub fn clip(&self, ray: &Ray<f32>) -> Interval<f32> {
-        let [from, along] = localized(ray, self.frame.origin, 1.0 / self.frame.size);
+        let [from, along] = localized(ray, self.frame.origin, self.frame.size.per_power_of_two());
         let distance = from.max_abs();
         let Plane {
             normal,
