@@ -38,7 +38,7 @@ impl UserGeometry for CurvedMesh {
 }
 
 /// Fewer valid lanes than this are traced one by one.
-const MIN_PACKET: u32 = 2;
+const MIN_PACKET: u32 = 3;
 
 /// The lanes of a mask of one bit a lane.
 fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
