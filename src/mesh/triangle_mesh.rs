@@ -100,6 +100,7 @@ impl Mesh {
     /// Normals that are missing (`None`, or zero or NaN at single vertices) are made with
     /// [`LoadOptions::default`]'s crease angle; all others are used. Use [`RawMesh::into_mesh`] for a choice of it, and
     /// for normals with indices of their own.
+    /// Rays on a large mesh are faster once it is [ordered](Mesh::ordered), as those from files are.
     ///
     /// # Errors
     ///
