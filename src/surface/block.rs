@@ -3,7 +3,7 @@
 
 use fearless_simd::{Level, dispatch, f32x8, mask32x8, prelude::*, u32x8};
 
-use super::columns::{Column, HULL, PATCH, Pick, Store};
+use super::columns::{Column, HULL, PATCH, Pick, Store, VERTICES, vertices};
 use super::flags::{BoundsKind, PatchFlags, Surface};
 use super::frame::Frame;
 use super::hit::{Hit, Solver};
@@ -122,11 +122,8 @@ impl KeptPatch<'_> {
     #[inline(always)]
     fn source(&self) -> [f32; SOURCE] {
         let mut source = [0.0; SOURCE];
-        let (corners, record) = (self.corners(), self.record());
-        let vertices = corners.positions.iter().chain(&corners.normals);
-        for (to, from) in source.chunks_exact_mut(3).zip(vertices) {
-            to.copy_from_slice(&from.to_array());
-        }
+        let record = self.record();
+        self.corners().write(&mut source[..VERTICES]);
         source[18..20].copy_from_slice(&record.slab);
         for (to, from) in source[20..29].chunks_exact_mut(3).zip(record.correction()) {
             to.copy_from_slice(&from);
@@ -211,19 +208,7 @@ impl PatchBlock {
             #[inline(always)]
             |n: usize| Patches(f32x8::from_slice(simd, &columns[n])),
         );
-        let corners = inlined(
-            #[inline(always)]
-            |first: usize| {
-                three(
-                    #[inline(always)]
-                    |k| {
-                        let n = first + 3 * k;
-                        vector(number(n), number(n + 1), number(n + 2))
-                    },
-                )
-            },
-        );
-        let (positions, normals) = (corners(0), corners(9));
+        let [positions, normals] = vertices(simd, columns);
         let slab = [number(18), number(19)];
         let frame = Frame::of_sound(&positions, &normals);
         let mut hull = Hull::around(&frame, &normals, Some(slab), None);

@@ -2,15 +2,55 @@
 
 use fearless_simd::{f32x8, prelude::*, u8x32};
 
+use super::kept::Corners;
 use super::lanes::{PATCHES, PatchMask, Patches};
 use super::patch::Patch;
-use super::real::{Constant, Real};
-use super::vector::Vector;
+use super::real::{Constant, Real, inlined, three};
+use super::vector::{Vector, vector};
 
 /// How many numbers a hull is kept in.
 pub(super) const HULL: usize = 29;
 /// How many numbers a patch is kept in.
 pub(super) const PATCH: usize = 100;
+
+/// How many numbers a triangle's vertices are.
+pub(super) const VERTICES: usize = 18;
+
+impl Corners {
+    /// Writes all numbers, the positions first.
+    #[inline(always)]
+    pub(super) fn write(&self, to: &mut [f32]) {
+        let vertices = self.positions.iter().chain(&self.normals);
+        for (to, from) in to.chunks_exact_mut(3).zip(vertices) {
+            to.copy_from_slice(&from.to_array());
+        }
+    }
+}
+
+/// The positions and the normals of eight triangles, whose [`VERTICES`] numbers are in columns.
+#[inline(always)]
+pub(super) fn vertices<S: Simd>(
+    simd: S,
+    columns: &[[f32; PATCHES]],
+) -> [[Vector<Patches<S>>; 3]; 2] {
+    let number = inlined(
+        #[inline(always)]
+        |n: usize| Patches(f32x8::from_slice(simd, &columns[n])),
+    );
+    let three_from = inlined(
+        #[inline(always)]
+        |first: usize| {
+            three(
+                #[inline(always)]
+                |k| {
+                    let n = first + 3 * k;
+                    vector(number(n), number(n + 1), number(n + 2))
+                },
+            )
+        },
+    );
+    [three_from(0), three_from(9)]
+}
 
 /// Sees every number that rays ask for of a patch, each at its place.
 pub(super) trait Visitor<S: Constant> {

@@ -2,6 +2,7 @@
 
 use fearless_simd::{f32x8, prelude::*};
 
+use super::columns::{VERTICES, vertices};
 use super::frame::Frame;
 use super::kept::KeptPatch;
 use super::lanes::{PATCHES, Patches};
@@ -12,8 +13,8 @@ use super::vector::{Vector, vector};
 const MIN_COSINE: f64 = 0.05;
 /// ... which is this much.
 const ANY_LEAN: f64 = 1e6;
-/// Numbers of a triangle: its vertices' positions and normals, and the slab.
-const SOURCE: usize = 20;
+/// Numbers of a triangle: its vertices and the slab.
+const SOURCE: usize = VERTICES + 2;
 
 /// A triangle in its plane and what its surface may stand out from there, for its box along any direction.
 #[derive(Clone, Copy, Debug)]
@@ -101,12 +102,8 @@ impl KeptPatch<'_> {
     #[inline(always)]
     fn reach_source(&self) -> [f32; SOURCE] {
         let mut source = [0.0; SOURCE];
-        let corners = self.corners();
-        let vertices = corners.positions.iter().chain(&corners.normals);
-        for (to, from) in source.chunks_exact_mut(3).zip(vertices) {
-            to.copy_from_slice(&from.to_array());
-        }
-        source[18..].copy_from_slice(&self.record().slab().unwrap_or([0.0; 2]));
+        self.corners().write(&mut source[..VERTICES]);
+        source[VERTICES..].copy_from_slice(&self.record().slab().unwrap_or([0.0; 2]));
         source
     }
 }
@@ -125,19 +122,12 @@ impl<S: Simd> Reach<Patches<S>> {
             #[inline(always)]
             |n: usize| Patches(f32x8::from_slice(simd, &columns[n])),
         );
-        let corners = inlined(
-            #[inline(always)]
-            |first: usize| {
-                three(
-                    #[inline(always)]
-                    |k| {
-                        let n = first + 3 * k;
-                        vector(number(n), number(n + 1), number(n + 2))
-                    },
-                )
-            },
-        );
-        Self::new(corners(0), &corners(9), [number(18), number(19)])
+        let [positions, normals] = vertices(simd, &columns);
+        Self::new(
+            positions,
+            &normals,
+            [number(VERTICES), number(VERTICES + 1)],
+        )
     }
 }
 
