@@ -109,17 +109,24 @@ fn error_of(accessors: &str, primitives: &str, nodes: &str) -> String {
     load_text(&json(&data(), accessors, primitives, nodes, true)).unwrap_err()
 }
 
+/// Two triangles, counterclockwise from the origin.
+fn assert_square(mesh: &crate::mesh::Mesh) {
+    let corners = [[0., 0.], [1., 0.], [1., 1.], [0., 1.]].map(|[x, y]| glam::Vec3::new(x, y, 0.0));
+    let [a, b, c, d] = corners;
+    assert_eq!(mesh.triangles().len(), 2);
+    assert_eq!(mesh.triangle_positions(0), [a, b, c]);
+    assert_eq!(mesh.triangle_positions(1), [a, c, d]);
+}
+
 #[test]
 fn indices_of_all_widths_and_none_make_the_same_square() {
     for indices in 2..5 {
         let mesh = loaded(&primitive(indices), "{\"mesh\":0}").mesh;
-        assert_eq!(mesh.triangles(), [[0, 1, 2], [0, 2, 3]]);
-        assert_eq!(mesh.positions()[2], glam::Vec3::new(1.0, 1.0, 0.0));
+        assert_square(&mesh);
         assert_eq!(mesh.normals(), [glam::Vec3::Z; 4]);
     }
     let fan = "{\"attributes\":{\"POSITION\":0},\"mode\":6}";
-    let mesh = loaded(fan, "{\"mesh\":0}").mesh;
-    assert_eq!(mesh.triangles(), [[0, 1, 2], [0, 2, 3]]);
+    assert_square(&loaded(fan, "{\"mesh\":0}").mesh);
     let strip = triangles(Mode::TriangleStrip, &[0, 1, 2, 3, 3, 4, 5]);
     // Two equal corners only turn the strip.
     assert_eq!(strip, [[0, 1, 2], [2, 1, 3], [3, 4, 5]]);
@@ -208,8 +215,8 @@ fn whole_numbers_may_stand_for_positions() {
     let mesh = load_text(&json(&data, &accessor, square, "{\"mesh\":0}", true))
         .unwrap()
         .mesh;
-    assert_eq!(mesh.positions()[1].x, 1.0);
-    assert_eq!(mesh.positions()[2].y, 127.0 / 255.0);
+    let [_, second, third] = mesh.triangle_positions(0);
+    assert_eq!((second.x, third.y), (1.0, 127.0 / 255.0));
 }
 
 #[test]
