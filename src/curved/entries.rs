@@ -22,7 +22,6 @@ pub(super) struct Entries {
 }
 
 /// Where the rays of a packet enter the boxes of a cluster.
-#[derive(Default)]
 pub(super) struct PacketEntries {
     /// For each box the lanes that meet it, one bit each.
     met: [u32; SIZE],
@@ -95,20 +94,40 @@ impl Cluster {
         )
     }
 
-    /// For each triangle the lanes, of those in `valid`, whose rays meet its box, and where.
-    pub fn packet_entries(&self, rays: &RayLanes<'_>, valid: u32) -> PacketEntries {
-        dispatch!(Level::new(), simd => self.packet_entries_by(simd, rays, valid))
+    /// For each triangle the lanes, of those in `valid`, whose rays meet its box.
+    pub fn packet_met(&self, rays: &RayLanes<'_>, valid: u32) -> [u32; SIZE] {
+        dispatch!(Level::new(), simd => self.packet_met_by(
+            simd,
+            rays,
+            valid,
+            #[inline(always)]
+            |_, _, _| (),
+        ))
     }
 
-    /// A register's lanes at a time.
+    /// The same, and where they do.
+    pub fn packet_entries(&self, rays: &RayLanes<'_>, valid: u32) -> PacketEntries {
+        let mut at = [[0.0; MAX_LANES]; SIZE];
+        let met = dispatch!(Level::new(), simd => self.packet_met_by(
+            simd,
+            rays,
+            valid,
+            #[inline(always)]
+            |n, first, from| from.store_slice(&mut at[n][first..][..from.as_slice().len()]),
+        ));
+        PacketEntries { met, at }
+    }
+
+    /// A register's lanes at a time; tells a function of a triangle and the first lane where the rays enter.
     #[inline(always)]
-    fn packet_entries_by<S: Simd>(
+    fn packet_met_by<S: Simd>(
         &self,
         simd: S,
         rays: &RayLanes<'_>,
         valid: u32,
-    ) -> PacketEntries {
-        let mut entries = PacketEntries::default();
+        mut enter: impl FnMut(usize, usize, S::f32s),
+    ) -> [u32; SIZE] {
+        let mut all = [0; SIZE];
         // Converted in lanes, once: a box at a time that would take as long as its test.
         let columns = inlined(
             #[inline(always)]
@@ -139,11 +158,11 @@ impl Cluster {
                     to = to.min(middle + half);
                 }
                 let met = from.simd_le(to).to_bitmask() as u32 & valid;
-                entries.met[n] |= met << first;
-                from.store_slice(&mut entries.at[n][first..][..S::f32s::LEN]);
+                all[n] |= met << first;
+                enter(n, first, from);
             }
         }
-        entries
+        all
     }
 
     /// The ways of a register's rays along the three directions.
@@ -205,11 +224,6 @@ impl Entries {
 }
 
 impl PacketEntries {
-    /// For each box the lanes that meet it, one bit each.
-    pub fn met(&self) -> &[u32; SIZE] {
-        &self.met
-    }
-
     /// Counts all boxes but these, one bit each, as met no more.
     pub fn keep(&mut self, boxes: u32) {
         for (n, met) in self.met.iter_mut().enumerate() {

@@ -89,14 +89,16 @@ impl CurvedMesh {
             }
             return;
         }
-        let mut entries = cluster.packet_entries(&ray_lanes(query), query.valid());
+        let mut left = cluster.present();
         if matches!(self.solver, Solver::Finish { .. }) {
-            let left = self.trace_block(query, (prim, cluster), entries.met(), normals, report);
+            let met = cluster.packet_met(&ray_lanes(query), query.valid());
+            left = self.trace_block(query, (prim, cluster), &met, normals, report);
             if left == 0 {
                 return;
             }
-            entries.keep(left);
         }
+        let mut entries = cluster.packet_entries(&ray_lanes(query), query.valid());
+        entries.keep(left);
         // Lanes that are occluded by now are valid no more.
         while let Some((n, lanes)) = entries.next(query.tfar(), query.valid()) {
             self.trace_triangle(query, cluster.triangle(n), lanes, normals, report);
