@@ -214,10 +214,10 @@ impl<S: Simd> Shapes<S> {
     #[inline(always)]
     fn directions(&self, count: usize) -> [Vec3; 3] {
         let Vector { x, y, z } = self.reach.normal();
-        let sum = |of: Patches<S>| numbers(of)[..count].iter().sum::<f32>();
+        let sum = |of: Patches<S>| of.numbers()[..count].iter().sum::<f32>();
         let up = Vec3::new(sum(x), sum(y), sum(z)).normalize_or(Vec3::Z);
         let Vector { x, y, z } = self.reach.side();
-        let side = Vec3::new(numbers(x)[0], numbers(y)[0], numbers(z)[0]);
+        let side = Vec3::new(x.numbers()[0], y.numbers()[0], z.numbers()[0]);
         // Scaled first: its square may be too small a number.
         let side = side / side.abs().max_element().max(f32::MIN_POSITIVE);
         let across = up.cross(side);
@@ -226,17 +226,10 @@ impl<S: Simd> Shapes<S> {
     }
 }
 
-#[inline(always)]
-fn numbers<S: Simd>(of: Patches<S>) -> [f32; SIZE] {
-    let mut numbers = [0.0; SIZE];
-    of.0.store_slice(&mut numbers);
-    numbers
-}
-
 /// The greatest absolute value.
 #[inline(always)]
 fn furthest<S: Simd>(of: Patches<S>) -> f32 {
-    numbers(of.abs()).into_iter().fold(0.0, f32::max)
+    of.abs().numbers().into_iter().fold(0.0, f32::max)
 }
 
 /// The least step such that [`STEPS`] of them lead this far, whatever the rounding.
@@ -255,7 +248,7 @@ fn steps_below<S: Simd>(to: Patches<S>, step: f32) -> [f32; SIZE] {
     let steps = Patches((to / step).0.floor());
     // Where the quotient was rounded up.
     let steps = Patches::select(to.less(steps * step), steps - one, steps);
-    numbers(steps.greater(to.constant((-STEPS).into())))
+    steps.greater(to.constant((-STEPS).into())).numbers()
 }
 
 #[cfg(test)]

@@ -124,7 +124,7 @@ impl KeptPatch<'_> {
         let mut source = [0.0; SOURCE];
         let record = self.record();
         self.corners().write(&mut source[..VERTICES]);
-        source[18..20].copy_from_slice(&record.slab);
+        source[VERTICES..20].copy_from_slice(&record.slab);
         for (to, from) in source[20..29].chunks_exact_mut(3).zip(record.correction()) {
             to.copy_from_slice(&from);
         }
@@ -209,7 +209,7 @@ impl PatchBlock {
             |n: usize| Patches(f32x8::from_slice(simd, &columns[n])),
         );
         let [positions, normals] = vertices(simd, columns);
-        let slab = [number(18), number(19)];
+        let slab = [number(VERTICES), number(VERTICES + 1)];
         let frame = Frame::of_sound(&positions, &normals);
         let mut hull = Hull::around(&frame, &normals, Some(slab), None);
         let mut patch = Patch::laid(&frame, &normals, flags);

@@ -311,7 +311,7 @@ impl<S: Constant> Patch<S> {
     /// The ray's origin and direction in the patch's space and units.
     #[inline(always)]
     pub(super) fn localize<V: Real<Scalar = S>>(&self, ray: &Ray<V>) -> [Vector<V>; 2] {
-        localized(ray, self.origin, self.size.constant(1.0) / self.size)
+        localized(ray, self.origin, self.size.per_power_of_two())
     }
 
     /// The hits of steep rays, and of the others by a search.

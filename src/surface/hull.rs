@@ -114,7 +114,7 @@ impl<S: Constant> Hull<S> {
         };
         Self {
             origin: frame.origin,
-            unit: constant(1.0) / frame.size,
+            unit: frame.size.per_power_of_two(),
             planes: [
                 side(0),
                 side(1).through(frame.edges[0]),

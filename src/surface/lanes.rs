@@ -160,6 +160,16 @@ lanes! {
 /// How many patches [`Patches`] are of.
 pub(crate) const PATCHES: usize = 8;
 
+impl<S: Simd> Patches<S> {
+    /// The numbers, one a patch.
+    #[inline(always)]
+    pub(crate) fn numbers(self) -> [f32; PATCHES] {
+        let mut numbers = [0.0; PATCHES];
+        self.0.store_slice(&mut numbers);
+        numbers
+    }
+}
+
 impl<S: Simd> Constant for Patches<S> {
     const PRECISION: f64 = f32::EPSILON as f64;
 

@@ -111,16 +111,16 @@ fn make<S: Simd>(simd: S, group: &[Corners], flags: PatchFlags, made: &mut Made)
             );
         }
         let net = looked_at.net.corrected(&patch);
-        made.slab = net.slab().map(column);
+        made.slab = net.slab().map(Patches::numbers);
         for (to, side) in made.correction.iter_mut().zip(&patch.sides) {
             for (to, &coefficient) in to.iter_mut().zip(&side.correction) {
-                *to = column(coefficient);
+                *to = coefficient.numbers();
             }
         }
-        made.unit = column(patch.correction_unit());
+        made.unit = patch.correction_unit().numbers();
         made.least_cosine = simd.vectorize(
             #[inline(always)]
-            || column(crossing::least_cosine(&patch)),
+            || crossing::least_cosine(&patch).numbers(),
         );
         let [lower, upper] = patch.tight_box(Some(&net));
         made.bounds = [columns(lower), columns(upper)];
@@ -230,15 +230,8 @@ impl Made {
 }
 
 #[inline(always)]
-fn column<S: Simd>(numbers: Patches<S>) -> Column {
-    let mut column = [0.0; PATCHES];
-    numbers.0.store_slice(&mut column);
-    column
-}
-
-#[inline(always)]
 fn columns<S: Simd>(vector: Vector<Patches<S>>) -> [Column; 3] {
-    [column(vector.x), column(vector.y), column(vector.z)]
+    [vector.x.numbers(), vector.y.numbers(), vector.z.numbers()]
 }
 
 #[cfg(test)]

@@ -88,11 +88,16 @@ impl PatchRecord {
         KINDS[usize::from(self.kind)]
     }
 
+    /// Whether there is a surface, and not in the triangle's plane.
+    #[inline(always)]
+    pub(super) fn is_curved(&self) -> bool {
+        matches!(self.kind(), PatchKind::Curved | PatchKind::Fallback)
+    }
+
     /// Least and greatest height, unless the triangle is plane.
     #[inline(always)]
     pub(super) fn slab<S: Scalar>(&self) -> Option<[S; 2]> {
-        let curved = matches!(self.kind(), PatchKind::Curved | PatchKind::Fallback);
-        curved.then(|| {
+        self.is_curved().then(|| {
             let [least, most] = self.slab;
             [S::from_f64(least.into()), S::from_f64(most.into())]
         })

@@ -9,7 +9,6 @@ use super::frame::Frame;
 use super::hull::{Interval, Plane, localized};
 use super::kept::{Corners, KeptPatch};
 use super::lanes::Quad;
-use super::patch::PatchKind;
 use super::ray::Ray;
 use super::real::{Constant, Mask, Real, inlined, three};
 use super::vector::{Vector, vector};
@@ -33,8 +32,8 @@ impl KeptPatch<'_> {
     #[inline(always)]
     pub(super) fn single_slab(&self) -> Option<[f32; 2]> {
         let record = self.record();
-        let curved = matches!(record.kind(), PatchKind::Curved | PatchKind::Fallback);
-        (curved && record.flags().bounds() == BoundsKind::Tight).then_some(self.slab)
+        let bounded = record.is_curved() && record.flags().bounds() == BoundsKind::Tight;
+        bounded.then_some(self.slab)
     }
 }
 
