@@ -179,7 +179,9 @@ fn filters_see_the_instance() {
             ];
             for hit in all.into_iter().flatten() {
                 let hit = hit.unwrap();
-                assert_eq!((hit.t, hit.inst_id, hit.geom_id), (t, [inst], geom));
+                // Embree's flat triangles are rounded by the processor.
+                assert!((hit.t - t).abs() < 1e-5 * t, "{hit:?}");
+                assert_eq!((hit.inst_id, hit.geom_id), ([inst], geom));
             }
             assert_eq!(shadows::<16>(&outer, &rays, &options), vec![true; 16]);
         }

@@ -147,7 +147,8 @@ fn triangles_without_finite_vertices_are_never_hit() {
         );
         let ray = Ray::new(Vec3::ZERO, Vec3::Z);
         let hit = scene.intersect1(&ray, &QueryOptions::default()).unwrap();
-        assert_eq!((hit.t, hit.prim_id), (5.0, 5));
+        // Embree divides by the processor's estimate of a reciprocal, which they round differently.
+        assert!((hit.t - 5.0).abs() < 1e-5 && hit.prim_id == 5, "{hit:?}");
         assert!(scene.occluded1(&ray, &QueryOptions::default()));
         assert!(!scene.occluded1(&ray.between(0.0, 4.9), &QueryOptions::default()));
         assert_eq!(
