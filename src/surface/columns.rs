@@ -1,9 +1,10 @@
 //! The numbers of several patches side by side: a column of each number, one patch a place in it.
 
-use fearless_simd::{f32x8, prelude::*, u8x32};
+use fearless_simd::{f32x8, prelude::*};
 
 use super::kept::Corners;
 use super::lanes::{PATCHES, PatchMask, Patches};
+use super::pair_lanes::PairLanes;
 use super::patch::Patch;
 use super::real::{Constant, Real, inlined, three};
 use super::vector::{Vector, vector};
@@ -85,7 +86,7 @@ impl<S: Constant> Patch<S> {
         by.number(96, &mut base.foot);
         by.number(97, &mut self.slab[0]);
         by.number(98, &mut self.slab[1]);
-        by.number(99, &mut self.steep);
+        by.number(99, &mut self.unevenness);
     }
 
     /// Those of a vertex, its gradient and the side from there: 24.
@@ -148,23 +149,21 @@ impl<const N: usize> Visitor<f32> for Column<'_, N> {
 }
 
 /// Takes a patch's numbers a lane from columns.
-pub(super) struct Pick<'a, S: Simd, const N: usize> {
+pub(super) struct Pick<'a, S: Simd, P: PairLanes<S>, const N: usize> {
     pub columns: &'a [[f32; PATCHES]; N],
-    pub bytes: u8x32<S>,
+    pub simd: S,
+    pub places: P::Places,
 }
 
-impl<S: Simd, const N: usize> Visitor<Patches<S>> for Pick<'_, S, N> {
+impl<S: Simd, P: PairLanes<S>, const N: usize> Visitor<P> for Pick<'_, S, P, N> {
     #[inline(always)]
-    fn number(&mut self, at: usize, number: &mut Patches<S>) {
-        let column = f32x8::from_slice(self.bytes.token(), &self.columns[at]);
-        *number = Patches(column.swizzle_dyn(self.bytes));
+    fn number(&mut self, at: usize, number: &mut P) {
+        *number = P::of_patches(self.simd, &self.columns[at], self.places);
     }
 
     #[inline(always)]
-    fn truth(&mut self, at: usize, truth: &mut PatchMask<S>) {
-        let zero = Patches(f32x8::splat(self.bytes.token(), 0.0));
-        let mut number = zero;
-        self.number(at, &mut number);
-        *truth = zero.less(number);
+    fn truth(&mut self, at: usize, truth: &mut P::Mask) {
+        let number = P::of_patches(self.simd, &self.columns[at], self.places);
+        *truth = number.constant(0.0).less(number);
     }
 }

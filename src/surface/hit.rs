@@ -5,6 +5,7 @@ use std::cell::Cell;
 use super::finish::{self, MAX_PARTS, Samples};
 use super::hull::{Interval, localized};
 use super::ita::{self, Root};
+use super::paraboloid::Stretch;
 use super::patch::{Patch, Rule, next};
 use super::ray::{Ray, Segment, beyond, is_thin};
 use super::real::{Constant, Mask, Real, Scalar, each, inlined};
@@ -169,7 +170,7 @@ impl<S: Scalar> Patch<S> {
         )
     }
 
-    /// The same with a function that finds the hits of rays that are not steep.
+    /// The same with a function that finds the hits of rays that may have several crossings.
     #[inline(always)]
     pub(super) fn intersect_by<V: Real<Scalar = S>>(
         &self,
@@ -314,7 +315,7 @@ impl<S: Constant> Patch<S> {
         localized(ray, self.origin, self.size.per_power_of_two())
     }
 
-    /// The hits of steep rays, and of the others by a search.
+    /// The hits of rays that are known to have a single crossing first, and of the others by a search.
     #[inline(always)]
     pub(super) fn surface_hit<V: Real<Scalar = S>>(
         &self,
@@ -323,10 +324,14 @@ impl<S: Constant> Patch<S> {
         search: impl FnOnce(Segment<V>) -> Hit<V>,
     ) -> Hit<V> {
         let mut hit = Hit::none(segment.start);
-        let steep = segment.alive & self.is_steep(&segment);
-        if matches!(solver, Solver::Finish { .. }) && steep.any() {
-            let missed = self.steep_hit(&segment, steep, &mut hit);
-            segment.alive = segment.alive & !hit.found & !missed;
+        if matches!(solver, Solver::Finish { .. }) {
+            let stretch = self.stretch(&segment);
+            let single = segment.alive & stretch.single;
+            segment.alive = segment.alive & !stretch.clear;
+            if single.any() {
+                let missed = self.single_hit(&segment, &stretch, single, &mut hit);
+                segment.alive = segment.alive & !hit.found & !missed;
+            }
         }
         if !segment.alive.any() {
             return hit;
@@ -341,12 +346,13 @@ impl<S: Constant> Patch<S> {
         }
     }
 
-    /// Finds the hits of steep rays; gives the lanes that have none for certain.
+    /// Finds the hits on stretches with a single one; gives the lanes that have none for certain.
     #[inline(always)]
-    fn steep_hit<V: Real<Scalar = S>>(
+    fn single_hit<V: Real<Scalar = S>>(
         &self,
         segment: &Segment<V>,
-        steep: V::Mask,
+        stretch: &Stretch<V>,
+        single: V::Mask,
         hit: &mut Hit<V>,
     ) -> V::Mask {
         let noise = self.noise(segment);
@@ -355,7 +361,8 @@ impl<S: Constant> Patch<S> {
         let evaluations = &mut hit.evaluations;
         let crossing = self.crossing(
             segment,
-            steep,
+            stretch,
+            single,
             close,
             #[inline(always)]
             |at, lanes: V::Mask| {

@@ -3,7 +3,9 @@
 use std::fmt;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use fearless_simd::{f32x4, f32x8, mask32x4, mask32x8, prelude::*, u32x8};
+use fearless_simd::{
+    f32x4, f32x8, f32x16, mask32x4, mask32x8, mask32x16, prelude::*, u32x8, u32x16,
+};
 
 use super::real::{Constant, Mask, Real, atan2};
 
@@ -157,6 +159,16 @@ lanes! {
     |_like, value| value, value
 }
 
+masks! {
+    /// The same for [`ManyPatches`].
+    ManyMask: mask32x16<S>
+}
+lanes! {
+    /// The same of sixteen.
+    ManyPatches: f32x16<S>, ManyMask: mask32x16<S>, Self,
+    |_like, value| value, value
+}
+
 /// How many patches [`Patches`] are of.
 pub(crate) const PATCHES: usize = 8;
 
@@ -170,16 +182,23 @@ impl<S: Simd> Patches<S> {
     }
 }
 
-impl<S: Simd> Constant for Patches<S> {
-    const PRECISION: f64 = f32::EPSILON as f64;
+macro_rules! constants {
+    ($lanes:ident: $register:ident, $bits:ident) => {
+        impl<S: Simd> Constant for $lanes<S> {
+            const PRECISION: f64 = f32::EPSILON as f64;
 
-    #[inline(always)]
-    fn power_of_two(self) -> Self {
-        Self(f32x8::from_bits(self.0.to_bits() & 0x7f80_0000))
-    }
-    #[inline(always)]
-    fn per_power_of_two(self) -> Self {
-        let twice_one = u32x8::splat(self.0.token(), 2 * 1f32.to_bits());
-        Self(f32x8::from_bits(twice_one - self.0.to_bits()))
-    }
+            #[inline(always)]
+            fn power_of_two(self) -> Self {
+                Self($register::from_bits(self.0.to_bits() & 0x7f80_0000))
+            }
+            #[inline(always)]
+            fn per_power_of_two(self) -> Self {
+                let twice_one = $bits::splat(self.0.token(), 2 * 1f32.to_bits());
+                Self($register::from_bits(twice_one - self.0.to_bits()))
+            }
+        }
+    };
 }
+
+constants! { Patches: f32x8, u32x8 }
+constants! { ManyPatches: f32x16, u32x16 }

@@ -37,6 +37,9 @@ mod kept;
 mod lanes;
 mod outline;
 mod packet;
+mod pair_lanes;
+mod pairs;
+mod paraboloid;
 mod patch;
 mod point;
 mod prepare;
@@ -56,7 +59,7 @@ mod packet_tests;
 #[cfg(test)]
 mod tests;
 
-pub use block::{PairHit, PairHits, PatchBlock};
+pub use block::PatchBlock;
 pub use dual::Dual;
 pub use finish::MAX_PARTS;
 pub use flags::{BoundsKind, PatchFlags, Surface};
@@ -67,6 +70,7 @@ pub(crate) use lanes::{Lanes, PATCHES, Patches, Quad};
 pub use outline::Outline;
 pub(crate) use packet::load_lanes;
 pub use packet::{HitLanes, MAX_LANES, RayLanes};
+pub use pairs::{PairHit, PairHits};
 pub use patch::{FlatReason, Patch, PatchKind};
 pub use point::SurfacePoint;
 pub use prepare::Prepared;

@@ -101,7 +101,7 @@ pub(super) fn surface<S: Scalar>(
         return patch;
     };
     patch.slab = slab;
-    patch.set_steepness(record.steepness);
+    patch.unevenness = S::from_f64(record.unevenness().into());
     if patch.rule == Rule::Angular {
         patch.set_angles();
     }

@@ -7,12 +7,12 @@
 use super::bounds::{self, HeightNet};
 use super::choice::Choice;
 use super::correction;
-use super::crossing;
 use super::flags::{BoundsKind, PatchFlags, Surface};
 use super::folds;
 use super::frame::{Frame, SLIVER_AREA};
 use super::hull::Hull;
 use super::outline::Outline;
+use super::paraboloid;
 use super::real::{Constant, Mask, Real, Scalar, each, three};
 use super::record::PatchRecord;
 use super::sides::{Plane, Side, sides};
@@ -128,10 +128,8 @@ pub struct Patch<S: Constant> {
     pub(super) any_obtuse: bool,
     pub(super) any_loose: bool,
     pub(super) kind: PatchKind,
-    /// How steep the surface is, as it is [kept](crossing::steepness).
-    pub(super) steepness: u8,
-    /// The squared sine of the angle to the plane from which on a ray is steeper than the surface.
-    pub(super) steep: S,
+    /// How far the surface's slope is off a paraboloid's at the most, as it is [kept](paraboloid::kept).
+    pub(super) unevenness: S,
 }
 
 /// The vertex, or the side, after this one.
@@ -177,7 +175,8 @@ impl<S: Scalar> Patch<S> {
                 }
                 patch.slab = net.slab();
                 if !flags.is_unchecked() {
-                    patch.set_steepness(crossing::steepness(crossing::least_cosine(&patch)));
+                    let kept = paraboloid::kept(patch.unevenness(&normals));
+                    patch.unevenness = S::from_f64(paraboloid::unkept(kept).into());
                 }
                 Some(net)
             }
@@ -367,12 +366,11 @@ impl<S: Constant> Patch<S> {
             any_obtuse: false,
             any_loose: false,
             kind: PatchKind::Degenerate,
-            steepness: u8::MAX,
-            steep: zero.constant(2.0), // no ray is
+            unevenness: zero.constant(f64::INFINITY),
         }
     }
 
-    /// The patch of a triangle, without the correction, the slab and the steepness.
+    /// The patch of a triangle, without the correction, the slab and the unevenness.
     #[inline(always)]
     pub(super) fn laid(frame: &Frame<S>, normals: &[Vector<S>; 3], flags: PatchFlags) -> Self {
         let zero = frame.area2.constant(0.0);
@@ -407,8 +405,7 @@ impl<S: Constant> Patch<S> {
             slab: [zero; 2],
             rule: Rule::of(flags.surface()),
             kind: PatchKind::Curved,
-            steepness: u8::MAX,
-            steep: zero.constant(2.0), // no ray is
+            unevenness: zero.constant(f64::INFINITY),
         };
         each(
             #[inline(always)]
@@ -421,13 +418,6 @@ impl<S: Constant> Patch<S> {
             },
         );
         patch
-    }
-
-    /// Sets how steep the surface is.
-    #[inline(always)]
-    pub(super) fn set_steepness(&mut self, steepness: u8) {
-        self.steepness = steepness;
-        self.steep = crossing::steep(self.area2.constant(steepness.into()));
     }
 
     /// Sets the angles at the vertices, which only the angular rule asks for.

@@ -4,12 +4,12 @@
 use fearless_simd::{Level, dispatch, f32x8, prelude::*};
 
 use super::choice::Choice;
-use super::crossing;
 use super::flags::{BoundsKind, PatchFlags, Surface};
 use super::folds;
 use super::frame::{Frame, SLIVER_AREA};
 use super::kept::Corners;
 use super::lanes::{PATCHES, PatchMask, Patches};
+use super::paraboloid;
 use super::patch::{Patch, PatchKind, Rule};
 use super::real::three;
 use super::record::{Heights, PatchRecord};
@@ -118,9 +118,9 @@ fn make<S: Simd>(simd: S, group: &[Corners], flags: PatchFlags, made: &mut Made)
             }
         }
         made.unit = patch.correction_unit().numbers();
-        made.least_cosine = simd.vectorize(
+        made.unevenness = simd.vectorize(
             #[inline(always)]
-            || crossing::least_cosine(&patch).numbers(),
+            || patch.unevenness(&normals).numbers(),
         );
         let [lower, upper] = patch.tight_box(Some(&net));
         made.bounds = [columns(lower), columns(upper)];
@@ -207,7 +207,7 @@ struct Made {
     slab: [Column; 2],
     correction: [[Column; 3]; 3],
     unit: Column,
-    least_cosine: Column,
+    unevenness: Column,
     bounds: [[Column; 3]; 2],
 }
 
@@ -219,7 +219,7 @@ impl Made {
             correction: (self.correction.each_ref())
                 .map(|side| side.each_ref().map(|column| column[lane])),
             unit: self.unit[lane],
-            steepness: crossing::steepness(self.least_cosine[lane]),
+            unevenness: paraboloid::kept(self.unevenness[lane]),
         };
         let corner = |[x, y, z]: &[Column; 3]| vector(x[lane], y[lane], z[lane]);
         Prepared {

@@ -1,6 +1,7 @@
 //! What is kept of a patch, in half a cache line.
 
 use super::flags::PatchFlags;
+use super::paraboloid;
 use super::patch::{FlatReason, Patch, PatchKind};
 use super::real::{Constant, Scalar, each, inlined, three};
 use super::sphere::Enlargement;
@@ -17,8 +18,8 @@ pub struct PatchRecord {
     correction: [[i16; 3]; 3],
     flags: PatchFlags,
     kind: u8,
-    /// How steep the surface is, as [`super::crossing`] keeps it.
-    pub(super) steepness: u8,
+    /// How far the surface is off a paraboloid, as [`super::paraboloid`] keeps it.
+    unevenness: u8,
     exponent: i8,
     /// Of the sphere of greatest curvature, where that bounds the patch.
     pub(super) enlargement: Enlargement,
@@ -54,7 +55,7 @@ impl PatchRecord {
             slab: [0.0; 2],
             correction: [[0.0; 3]; 3],
             unit: 1.0,
-            steepness: u8::MAX,
+            unevenness: paraboloid::UNKNOWN,
         };
         Self::new(PatchKind::Degenerate, flags, &heights)
     }
@@ -71,7 +72,7 @@ impl PatchRecord {
                 .map(|side| side.map(|c| (c * per_unit) as i16)),
             flags,
             kind: kind.expect("every kind is in the list") as u8,
-            steepness: heights.steepness,
+            unevenness: heights.unevenness,
             exponent: (((heights.unit.to_bits() >> 23) & 0xff) as i32 - 127) as i8,
             enlargement: Enlargement::default(),
         }
@@ -103,6 +104,12 @@ impl PatchRecord {
         })
     }
 
+    /// How far the surface's slope is off a paraboloid's at the most; infinite where that is not known.
+    #[inline(always)]
+    pub(super) fn unevenness(&self) -> f32 {
+        paraboloid::unkept(self.unevenness)
+    }
+
     /// The correction's coefficients, a side each.
     #[inline(always)]
     pub(super) fn correction<S: Scalar>(&self) -> [[S; 3]; 3] {
@@ -129,7 +136,7 @@ impl<S: Scalar> Patch<S> {
             slab: self.slab.map(single),
             correction: self.sides.map(|side| side.correction.map(single)),
             unit: single(self.correction_unit()),
-            steepness: self.steepness,
+            unevenness: paraboloid::kept(self.unevenness),
         };
         let sphere = self.sphere();
         PatchRecord {
@@ -146,7 +153,7 @@ pub(super) struct Heights {
     pub correction: [[f32; 3]; 3],
     /// A power of two.
     pub unit: f32,
-    pub steepness: u8,
+    pub unevenness: u8,
 }
 
 impl<S: Constant> Patch<S> {

@@ -1,0 +1,277 @@
+//! A paraboloid in the surface's place, and how far the surface may be from it: what is known of a ray's way
+//! before the surface is evaluated anywhere.
+//!
+//! The paraboloid goes through the three vertices and near to the sides' curves. Its height under a ray is a
+//! quadratic, so that the ray has one turn, where it goes over from coming nearer to going off, or the other
+//! way round. The surface's slope is off the paraboloid's by no more than what is kept of the patch, so the
+//! ray's turns over the surface lie close to that one, and before and behind them it crosses the surface
+//! once at the most.
+
+use super::patch::{Patch, next};
+use super::ray::Segment;
+use super::real::{Constant, Real, Scalar, each, inlined, three};
+use super::vector::Vector;
+
+/// How far the surface may be off the paraboloid, in units of the patch's size, for a unit of slope: it is not
+/// at the vertices.
+const HEIGHT: f64 = 0.4;
+/// Room for what the places looked at do not show.
+const ROOM: f64 = 1.3;
+/// And for what a polynomial cannot follow, for the third power of the greatest slope.
+const CUBED: f64 = 0.25;
+
+/// The part of a ray's way on which it may cross the surface, once, in the segment's parameter.
+pub(super) struct Stretch<V: Real> {
+    /// Where this is such a part, the only one that has to be looked at first.
+    pub single: V::Mask,
+    /// Where the ray does not come to the surface at all. What is neither may have several crossings.
+    pub clear: V::Mask,
+    pub from: V,
+    pub to: V,
+    /// Whether there is no crossing behind the stretch either.
+    pub none_later: V::Mask,
+    /// Whether there is none before it.
+    pub none_sooner: V::Mask,
+    /// Whether the ray goes up through the surface.
+    pub rising: V::Mask,
+    /// Where the ray crosses the paraboloid, held within the stretch.
+    pub at: V,
+    /// F's slope there, taken positive.
+    pub slope: V,
+    /// How much it may be off.
+    pub doubt: V,
+    /// The greatest that F's slope may be on the stretch.
+    pub greatest_slope: V,
+    /// The absolute value of F's second derivative.
+    pub bend: V,
+}
+
+impl<S: Constant> Patch<S> {
+    /// The height of a ray over the paraboloid: `c0 + c1 t + c2 t^2`.
+    #[inline(always)]
+    fn over_paraboloid<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> [V; 3] {
+        let (b, rate) = (segment.b, segment.b_rate);
+        let (mut c0, mut c1) = (segment.z, segment.z_rate);
+        let mut c2 = c0.constant(0.0);
+        each(
+            #[inline(always)]
+            |k| {
+                let (i, j) = (k, next(k));
+                let bulge = c0.splat(self.sides[k].bulge);
+                c0 = c0 - bulge * (b[i] * b[j]);
+                c1 = c1 - bulge * (b[i] * rate[j] + rate[i] * b[j]);
+                c2 = c2 - bulge * (rate[i] * rate[j]);
+            },
+        );
+        [c0, c1, c2]
+    }
+
+    /// What is known of rays beforehand.
+    #[inline(always)]
+    pub(super) fn stretch<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Stretch<V> {
+        let [c0, c1, c2] = self.over_paraboloid(segment);
+        let length = segment.length;
+        let (zero, one) = (length.constant(0.0), length.constant(1.0));
+        let uneven = length.splat(self.unevenness);
+        let doubt = uneven * segment.speed;
+        let room = uneven * length.constant(HEIGHT) + segment.exit_room;
+        let twice = c2 + c2;
+        let end_slope = c1 + twice * length;
+        let end = c0 + (c1 + c2 * length) * length;
+        let beyond_room = inlined(
+            #[inline(always)]
+            |height: V| room.less(height.abs()),
+        );
+        // One way all along.
+        let even = zero.less(c1 * end_slope) & doubt.less(c1.abs()) & doubt.less(end_slope.abs());
+        let apart = even & zero.less(c0 * end) & beyond_room(c0) & beyond_room(end);
+        // Or one turn, somewhere in a part of the way where the ray is on one side of the surface for certain.
+        let bent = zero.less(twice.abs());
+        let per_twice = one / V::select(bent, twice, one);
+        let (turn, half) = (-(c1 * per_twice), doubt * per_twice.abs());
+        let (before, after) = (turn - half, turn + half);
+        let nearest = turn.greater(zero).lesser(length);
+        let there = c0 + (c1 + c2 * nearest) * nearest;
+        let sure = (room + doubt * half * length.constant(0.5)).less(there.abs());
+        let turns = bent & sure & !even;
+        let off = zero.less(twice * there);
+        let crossed = inlined(
+            #[inline(always)]
+            |height: V| !(zero.less(height * there) & beyond_room(height)),
+        );
+        let sooner = turns & !off & zero.less(before) & crossed(c0);
+        let later = turns & !off & after.less(length) & crossed(end);
+        let first = sooner;
+        let second = later & !sooner;
+        let rising =
+            (even & zero.less(c1)) | (first & twice.less(zero)) | (second & zero.less(twice));
+        let from = V::select(second, after.greater(zero), zero);
+        let to = V::select(first, before.lesser(length), length);
+        // c0 + c1 t + c2 t^2, of its two roots the one where it changes as the ray does.
+        let upward = inlined(
+            #[inline(always)]
+            |c: V| V::select(rising, c, -c),
+        );
+        let [c0, c1, twice] = [upward(c0), upward(c1), upward(twice)];
+        let slope = (c1 * c1 - (twice + twice) * c0).greater(zero).sqrt();
+        let sum = c1 + slope;
+        let open = zero.less(sum);
+        let at = -(c0 + c0) / V::select(open, sum, one);
+        let at = V::select(open, at, from).greater(from).lesser(to);
+        Stretch {
+            single: (even & !apart) | first | second,
+            clear: apart | (turns & !sooner & !later),
+            from,
+            to,
+            none_later: even | second,
+            none_sooner: even | (first & !later),
+            rising,
+            at,
+            slope: (c1 + twice * at).greater(doubt),
+            doubt,
+            greatest_slope: c1.abs().greater(end_slope.abs()) + doubt,
+            bend: twice.abs(),
+        }
+    }
+
+    /// How far the surface's slope is off the paraboloid's at the most.
+    #[inline(always)]
+    pub(super) fn unevenness(&self, normals: &[Vector<S>; 3]) -> S {
+        const PLACES: [[f64; 2]; 4] = [[0.2, 0.2], [0.6, 0.2], [0.2, 0.6], [0.33, 0.34]];
+        let zero = self.area2.constant(0.0);
+        let one = self.area2.constant(1.0);
+        let (mut furthest, mut steepest, mut all) = (zero, zero, zero);
+        let mut look = inlined(
+            #[inline(always)]
+            |b: [S; 3], normal: Vector<S>| {
+                let upright = normal.dot(self.normal);
+                let slope = self.normal - normal * (one / upright);
+                let off = slope - self.paraboloid_slope(b);
+                let (off, slope) = (off.dot(off), slope.dot(slope));
+                furthest = off.greater(furthest);
+                steepest = slope.greater(steepest);
+                // What is no number stays so.
+                all = all + off;
+            },
+        );
+        each(
+            #[inline(always)]
+            |i| {
+                let mut b = [zero; 3];
+                b[i] = one;
+                look(b, normals[i]);
+            },
+        );
+        for [u, v] in PLACES {
+            let (u, v) = (zero.constant(u), zero.constant(v));
+            look([one - u - v, u, v], self.normal_at(u, v));
+        }
+        let cubed = steepest * steepest.sqrt();
+        furthest.sqrt() * zero.constant(ROOM) + cubed * zero.constant(CUBED) + all * zero
+    }
+
+    /// The paraboloid's slope, uphill.
+    #[inline(always)]
+    fn paraboloid_slope(&self, b: [S; 3]) -> Vector<S> {
+        let [first, second, third] = three(
+            #[inline(always)]
+            |k| {
+                let (i, j) = (k, next(k));
+                (self.gradients[j] * b[i] + self.gradients[i] * b[j]) * self.sides[k].bulge
+            },
+        );
+        first + second + third
+    }
+}
+
+/// Unevenness is kept as a number with three binary digits behind the leading one, from this power of two on.
+const LEAST_EXPONENT: i32 = -14;
+/// What is kept in place of more than can be said.
+pub(super) const UNKNOWN: u8 = u8::MAX;
+/// The bits of a single that are not kept.
+const DROPPED: u32 = 20;
+/// What is kept of the least number, unshifted.
+const LEAST: u32 = ((127 + LEAST_EXPONENT) as u32) << 3;
+
+/// Unevenness as it is kept, not less than it is.
+pub(super) fn kept<S: Scalar>(unevenness: S) -> u8 {
+    let single = unevenness.to_f64() as f32;
+    // No number fails the comparison.
+    if !(0.0..f32::MAX).contains(&single) {
+        return UNKNOWN;
+    }
+    let steps = single
+        .to_bits()
+        .div_ceil(1 << DROPPED)
+        .saturating_sub(LEAST);
+    steps.min(UNKNOWN.into()) as u8
+}
+
+/// Unevenness from what is kept.
+#[inline(always)]
+pub(super) fn unkept(kept: u8) -> f32 {
+    if kept == UNKNOWN {
+        return f32::INFINITY;
+    }
+    f32::from_bits((u32::from(kept) + LEAST) << DROPPED)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::Random;
+    use super::super::{PatchFlags, PatchKind, Surface};
+    use super::*;
+
+    #[test]
+    fn no_surface_is_further_off_the_paraboloid_than_is_kept() {
+        let mut random = Random(22);
+        let (mut total, mut over, mut high) = (0, 0, 0);
+        for n in 0..2000 {
+            let (p, normals) = random.triangle([5.0, 15.0, 30.0, 45.0][n % 4], 0.6);
+            let flags = PatchFlags::new(Surface::ALL[n / 4 % 3]);
+            let patch = Patch::<f64>::new(p, normals, flags);
+            for _ in 0..if patch.kind() == PatchKind::Curved {
+                30
+            } else {
+                0
+            } {
+                let [u, v] = random.inside();
+                let place = patch.point(u, v);
+                let local = (place.position - patch.origin) * (1.0 / patch.size);
+                let [b1, b2] = [1, 2].map(|k| patch.gradients[k].dot(local));
+                let b = [1.0 - b1 - b2, b1, b2];
+                let slope = patch.normal - place.normal * (1.0 / place.normal.dot(patch.normal));
+                let height = (0..3)
+                    .map(|k| patch.sides[k].bulge * b[k] * b[next(k)])
+                    .sum::<f64>();
+                let off = slope - patch.paraboloid_slope(b);
+                total += 1;
+                over += u32::from(patch.unevenness < off.length());
+                let away = (local.dot(patch.normal) - height).abs();
+                high += u32::from(patch.unevenness * HEIGHT < away);
+            }
+        }
+        println!("{over} of {total} points are steeper, {high} further off");
+        assert!(
+            total > 20_000 && (over + high) * 500 < total,
+            "{over}, {high} of {total}"
+        );
+    }
+
+    #[test]
+    fn what_is_kept_is_not_less_and_stays_what_it_is() {
+        for n in 0..2000 {
+            let number = 1e-6 * 1.01f64.powi(n);
+            let there = f64::from(unkept(kept(number)));
+            assert!(there >= number, "{there} for {number}");
+            assert!(
+                there.max(1e-4) <= 1.13 * number.max(1e-4) || number > 1e5,
+                "{there} for {number}"
+            );
+            assert_eq!(kept(there), kept(number));
+        }
+        for unknown in [f64::NAN, f64::INFINITY, -1.0, 1e30] {
+            assert_eq!(unkept(kept(unknown)), f32::INFINITY);
+        }
+    }
+}
