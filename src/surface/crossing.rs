@@ -156,7 +156,9 @@ mod tests {
                     continue;
                 }
                 rays += 1;
-                let stretch = patch.stretch(&patch.segment(&ray, &interval));
+                let segment = patch.segment(&ray, &interval);
+                let f = |at: f32, _| patch.clearance(&segment, at);
+                let stretch = patch.stretch(&segment, true, f);
                 if !(stretch.single || stretch.clear) {
                     continue;
                 }

@@ -325,13 +325,23 @@ impl<S: Constant> Patch<S> {
     ) -> Hit<V> {
         let mut hit = Hit::none(segment.start);
         if matches!(solver, Solver::Finish { .. }) {
-            let stretch = self.stretch(&segment);
+            let evaluations = Cell::new(0);
+            let f = inlined(
+                #[inline(always)]
+                |at: V, lanes: V::Mask| {
+                    evaluations.set(evaluations.get() + lanes.count());
+                    self.clearance(&segment, at)
+                },
+            );
+            let stretch = self.stretch(&segment, segment.alive, &f);
             let single = segment.alive & stretch.single;
-            segment.alive = segment.alive & !stretch.clear;
+            let mut left = segment.alive & !stretch.clear;
             if single.any() {
-                let missed = self.single_hit(&segment, &stretch, single, &mut hit);
-                segment.alive = segment.alive & !hit.found & !missed;
+                let missed = self.single_hit(&segment, &stretch, single, &f, &mut hit);
+                left = left & !hit.found & !missed;
             }
+            hit.evaluations = evaluations.get();
+            segment.alive = left;
         }
         if !segment.alive.any() {
             return hit;
@@ -353,23 +363,13 @@ impl<S: Constant> Patch<S> {
         segment: &Segment<V>,
         stretch: &Stretch<V>,
         single: V::Mask,
+        f: impl FnMut(V, V::Mask) -> V,
         hit: &mut Hit<V>,
     ) -> V::Mask {
         let noise = self.noise(segment);
         // Not the coarser tolerance of rays from afar: the room for a doubtful slope grows with it.
         let close = [noise / segment.speed, noise];
-        let evaluations = &mut hit.evaluations;
-        let crossing = self.crossing(
-            segment,
-            stretch,
-            single,
-            close,
-            #[inline(always)]
-            |at, lanes: V::Mask| {
-                *evaluations += lanes.count();
-                self.clearance(segment, at)
-            },
-        );
+        let crossing = self.crossing(segment, stretch, single, close, f);
         hit.found = self.verify(segment, crossing.at, crossing.found, hit);
         crossing.missed
     }

@@ -9,7 +9,7 @@
 
 use super::patch::{Patch, next};
 use super::ray::Segment;
-use super::real::{Constant, Real, Scalar, each, inlined, three};
+use super::real::{Constant, Mask, Real, Scalar, each, inlined, three};
 use super::vector::Vector;
 
 /// How far the surface may be off the paraboloid, in units of the patch's size, for a unit of slope: it is not
@@ -46,6 +46,29 @@ pub(super) struct Stretch<V: Real> {
     pub bend: V,
 }
 
+/// A ray's way over the paraboloid, in the segment's parameter: `c0 + c1 t + c2 t^2` above it.
+#[derive(Clone, Copy)]
+struct Course<V: Real> {
+    c0: V,
+    c1: V,
+    c2: V,
+    /// Whether there is a turn.
+    bent: V::Mask,
+    /// Where.
+    turn: V,
+    /// One over `2 c2`, or one.
+    per_twice: V,
+    /// The place nearest to the turn.
+    nearest: V,
+    length: V,
+    /// How much F's slope may be off the paraboloid's.
+    doubt: V,
+    /// How far the surface may be off the paraboloid at the start, at the nearest place, and at the end.
+    rooms: [V; 3],
+    /// And how much further for each step away from the nearest place: none where the rooms hold everywhere.
+    drift: V,
+}
+
 impl<S: Constant> Patch<S> {
     /// The height of a ray over the paraboloid: `c0 + c1 t + c2 t^2`.
     #[inline(always)]
@@ -66,72 +89,54 @@ impl<S: Constant> Patch<S> {
         [c0, c1, c2]
     }
 
-    /// What is known of rays beforehand.
+    /// What the paraboloid tells of rays.
     #[inline(always)]
-    pub(super) fn stretch<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Stretch<V> {
+    fn course<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Course<V> {
         let [c0, c1, c2] = self.over_paraboloid(segment);
         let length = segment.length;
         let (zero, one) = (length.constant(0.0), length.constant(1.0));
         let uneven = length.splat(self.unevenness);
-        let doubt = uneven * segment.speed;
         let room = uneven * length.constant(HEIGHT) + segment.exit_room;
         let twice = c2 + c2;
-        let end_slope = c1 + twice * length;
-        let end = c0 + (c1 + c2 * length) * length;
-        let beyond_room = inlined(
-            #[inline(always)]
-            |height: V| room.less(height.abs()),
-        );
-        // One way all along.
-        let even = zero.less(c1 * end_slope) & doubt.less(c1.abs()) & doubt.less(end_slope.abs());
-        let apart = even & zero.less(c0 * end) & beyond_room(c0) & beyond_room(end);
-        // Or one turn, somewhere in a part of the way where the ray is on one side of the surface for certain.
         let bent = zero.less(twice.abs());
         let per_twice = one / V::select(bent, twice, one);
-        let (turn, half) = (-(c1 * per_twice), doubt * per_twice.abs());
-        let (before, after) = (turn - half, turn + half);
-        let nearest = turn.greater(zero).lesser(length);
-        let there = c0 + (c1 + c2 * nearest) * nearest;
-        let sure = (room + doubt * half * length.constant(0.5)).less(there.abs());
-        let turns = bent & sure & !even;
-        let off = zero.less(twice * there);
-        let crossed = inlined(
-            #[inline(always)]
-            |height: V| !(zero.less(height * there) & beyond_room(height)),
-        );
-        let sooner = turns & !off & zero.less(before) & crossed(c0);
-        let later = turns & !off & after.less(length) & crossed(end);
-        let first = sooner;
-        let second = later & !sooner;
-        let rising =
-            (even & zero.less(c1)) | (first & twice.less(zero)) | (second & zero.less(twice));
-        let from = V::select(second, after.greater(zero), zero);
-        let to = V::select(first, before.lesser(length), length);
-        // c0 + c1 t + c2 t^2, of its two roots the one where it changes as the ray does.
-        let upward = inlined(
-            #[inline(always)]
-            |c: V| V::select(rising, c, -c),
-        );
-        let [c0, c1, twice] = [upward(c0), upward(c1), upward(twice)];
-        let slope = (c1 * c1 - (twice + twice) * c0).greater(zero).sqrt();
-        let sum = c1 + slope;
-        let open = zero.less(sum);
-        let at = -(c0 + c0) / V::select(open, sum, one);
-        let at = V::select(open, at, from).greater(from).lesser(to);
-        Stretch {
-            single: (even & !apart) | first | second,
-            clear: apart | (turns & !sooner & !later),
-            from,
-            to,
-            none_later: even | second,
-            none_sooner: even | (first & !later),
-            rising,
-            at,
-            slope: (c1 + twice * at).greater(doubt),
-            doubt,
-            greatest_slope: c1.abs().greater(end_slope.abs()) + doubt,
-            bend: twice.abs(),
+        let turn = -(c1 * per_twice);
+        Course {
+            c0,
+            c1,
+            c2,
+            bent,
+            turn,
+            per_twice,
+            nearest: turn.greater(zero).lesser(length),
+            length,
+            doubt: uneven * segment.speed,
+            rooms: [room; 3],
+            drift: zero,
         }
+    }
+
+    /// Where rays, in some lanes, may cross the surface: as the paraboloid says, or else with one evaluation of F
+    /// by a function, where they turn.
+    #[inline(always)]
+    pub(super) fn stretch<V: Real<Scalar = S>>(
+        &self,
+        segment: &Segment<V>,
+        lanes: V::Mask,
+        f: impl FnOnce(V, V::Mask) -> V,
+    ) -> Stretch<V> {
+        let course = self.course(segment);
+        let stretch = course.stretch();
+        let unclear = lanes & !(stretch.single | stretch.clear) & course.is_measurable();
+        if !unclear.any() {
+            return stretch;
+        }
+        let value = course.nearest.apart(
+            #[inline(always)]
+            || f(course.nearest, unclear),
+        );
+        let measured = course.measured(value, segment.exit_room).stretch();
+        Stretch::select(unclear, &measured, &stretch)
     }
 
     /// How far the surface's slope is off the paraboloid's at the most.
@@ -181,6 +186,131 @@ impl<S: Constant> Patch<S> {
             },
         );
         first + second + third
+    }
+}
+
+impl<V: Real> Course<V> {
+    /// The height over the paraboloid.
+    #[inline(always)]
+    fn height(&self, at: V) -> V {
+        self.c0 + (self.c1 + self.c2 * at) * at
+    }
+
+    /// Whether one evaluation of F may tell more.
+    #[inline(always)]
+    fn is_measurable(&self) -> V::Mask {
+        self.doubt.less(self.doubt.constant(f64::INFINITY))
+    }
+
+    /// With the paraboloid moved to where F has this value at the nearest place: from there on the two
+    /// part by no more than their slopes differ.
+    #[inline(always)]
+    fn measured(self, value: V, rounding: V) -> Self {
+        let [start, _, end] = self.rooms;
+        let from_start = start.lesser(self.doubt * self.nearest + rounding);
+        let to_end = end.lesser(self.doubt * (self.length - self.nearest) + rounding);
+        Self {
+            c0: self.c0 + (value - self.height(self.nearest)),
+            rooms: [from_start, rounding, to_end],
+            drift: self.doubt,
+            ..self
+        }
+    }
+
+    /// Where the rays may cross the surface.
+    #[inline(always)]
+    fn stretch(&self) -> Stretch<V> {
+        let Self { c0, c1, c2, .. } = *self;
+        let (length, doubt, turn) = (self.length, self.doubt, self.turn);
+        let (zero, one) = (length.constant(0.0), length.constant(1.0));
+        let [start_room, room, end_room] = self.rooms;
+        let twice = c2 + c2;
+        let end_slope = c1 + twice * length;
+        let end = self.height(length);
+        // One way all along.
+        let even = zero.less(c1 * end_slope) & doubt.less(c1.abs()) & doubt.less(end_slope.abs());
+        let apart =
+            even & zero.less(c0 * end) & start_room.less(c0.abs()) & end_room.less(end.abs());
+        // Or one turn, somewhere in a part of the way where the ray is on one side of the surface for certain.
+        let half = doubt * self.per_twice.abs();
+        let (before, after) = (turn - half, turn + half);
+        let there = self.height(self.nearest);
+        // Where the ray goes off to both sides of the nearest place it comes back by no more than the first
+        // of these, else it gets nearer within that part by no more than the second.
+        let off = zero.less(twice * there);
+        let slope_there = (c1 + twice * self.nearest).abs();
+        let pull = (self.drift - slope_there).greater(zero);
+        let furthest = self.nearest.greater(length - self.nearest);
+        let back = (pull * self.per_twice.abs()).lesser(furthest);
+        let first = back * (pull - c2.abs() * back);
+        let second = half * (doubt * length.constant(0.5) + self.drift);
+        let sure = (room + V::select(off, first, second)).less(there.abs());
+        let turns = self.bent & sure & !even;
+        let crossed = inlined(
+            #[inline(always)]
+            |height: V, room: V| !(zero.less(height * there) & room.less(height.abs())),
+        );
+        let sooner = turns & !off & zero.less(before) & crossed(c0, start_room);
+        let later = turns & !off & after.less(length) & crossed(end, end_room);
+        let second = later & !sooner;
+        let rising =
+            (even & zero.less(c1)) | (sooner & twice.less(zero)) | (second & zero.less(twice));
+        let from = V::select(second, after.greater(zero), zero);
+        let to = V::select(sooner, before.lesser(length), length);
+        // c0 + c1 t + c2 t^2, of its two roots the one where it changes as the ray does.
+        let upward = inlined(
+            #[inline(always)]
+            |c: V| V::select(rising, c, -c),
+        );
+        let [c0, c1, twice] = [upward(c0), upward(c1), upward(twice)];
+        let slope = (c1 * c1 - (twice + twice) * c0).greater(zero).sqrt();
+        let sum = c1 + slope;
+        let open = zero.less(sum);
+        let at = -(c0 + c0) / V::select(open, sum, one);
+        let at = V::select(open, at, from).greater(from).lesser(to);
+        Stretch {
+            single: (even & !apart) | sooner | second,
+            clear: apart | (turns & !sooner & !later),
+            from,
+            to,
+            none_later: even | second,
+            none_sooner: even | (sooner & !later),
+            rising,
+            at,
+            slope: (c1 + twice * at).greater(doubt),
+            doubt,
+            greatest_slope: c1.abs().greater(end_slope.abs()) + doubt,
+            bend: twice.abs(),
+        }
+    }
+}
+
+impl<V: Real> Stretch<V> {
+    /// This one in some lanes, the other in the others.
+    #[inline(always)]
+    fn select(mask: V::Mask, yes: &Self, no: &Self) -> Self {
+        let number = inlined(
+            #[inline(always)]
+            |of: fn(&Self) -> V| V::select(mask, of(yes), of(no)),
+        );
+        let truth = inlined(
+            #[inline(always)]
+            |of: fn(&Self) -> V::Mask| (mask & of(yes)) | (!mask & of(no)),
+        );
+        Self {
+            single: truth(|of| of.single),
+            clear: truth(|of| of.clear),
+            from: number(|of| of.from),
+            to: number(|of| of.to),
+            none_later: truth(|of| of.none_later),
+            none_sooner: truth(|of| of.none_sooner),
+            rising: truth(|of| of.rising),
+            at: number(|of| of.at),
+            slope: number(|of| of.slope),
+            doubt: number(|of| of.doubt),
+            greatest_slope: number(|of| of.greatest_slope),
+            bend: number(|of| of.bend),
+        }
     }
 }
 
