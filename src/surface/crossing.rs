@@ -41,7 +41,7 @@ impl<S: Constant> Patch<S> {
         stretch: &Stretch<V>,
         lanes: V::Mask,
         [close, noise]: [V; 2],
-        mut f: impl FnMut(V, V::Mask) -> V,
+        f: &impl Fn(V, V::Mask) -> V,
     ) -> Crossing<V> {
         let like = segment.length;
         let (zero, half, one) = (like.constant(0.0), like.constant(0.5), like.constant(1.0));
@@ -158,7 +158,7 @@ mod tests {
                 rays += 1;
                 let segment = patch.segment(&ray, &interval);
                 let f = |at: f32, _| patch.clearance(&segment, at);
-                let stretch = patch.stretch(&segment, true, f);
+                let stretch = patch.stretch(&segment, true, &f);
                 if !(stretch.single || stretch.clear) {
                     continue;
                 }

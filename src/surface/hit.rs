@@ -363,7 +363,7 @@ impl<S: Constant> Patch<S> {
         segment: &Segment<V>,
         stretch: &Stretch<V>,
         single: V::Mask,
-        f: impl FnMut(V, V::Mask) -> V,
+        f: &impl Fn(V, V::Mask) -> V,
         hit: &mut Hit<V>,
     ) -> V::Mask {
         let noise = self.noise(segment);

@@ -123,7 +123,7 @@ impl<S: Constant> Patch<S> {
         &self,
         segment: &Segment<V>,
         lanes: V::Mask,
-        f: impl FnOnce(V, V::Mask) -> V,
+        f: &impl Fn(V, V::Mask) -> V,
     ) -> Stretch<V> {
         let course = self.course(segment);
         let stretch = course.stretch();
@@ -136,7 +136,7 @@ impl<S: Constant> Patch<S> {
             || f(course.nearest, unclear),
         );
         let measured = course.measured(value, segment.exit_room).stretch();
-        Stretch::select(unclear, &measured, &stretch)
+        Stretch::select(unclear, measured, stretch)
     }
 
     /// How far the surface's slope is off the paraboloid's at the most.
@@ -288,28 +288,24 @@ impl<V: Real> Course<V> {
 impl<V: Real> Stretch<V> {
     /// This one in some lanes, the other in the others.
     #[inline(always)]
-    fn select(mask: V::Mask, yes: &Self, no: &Self) -> Self {
-        let number = inlined(
-            #[inline(always)]
-            |of: fn(&Self) -> V| V::select(mask, of(yes), of(no)),
-        );
+    fn select(mask: V::Mask, yes: Self, no: Self) -> Self {
         let truth = inlined(
             #[inline(always)]
-            |of: fn(&Self) -> V::Mask| (mask & of(yes)) | (!mask & of(no)),
+            |yes: V::Mask, no: V::Mask| (mask & yes) | (!mask & no),
         );
         Self {
-            single: truth(|of| of.single),
-            clear: truth(|of| of.clear),
-            from: number(|of| of.from),
-            to: number(|of| of.to),
-            none_later: truth(|of| of.none_later),
-            none_sooner: truth(|of| of.none_sooner),
-            rising: truth(|of| of.rising),
-            at: number(|of| of.at),
-            slope: number(|of| of.slope),
-            doubt: number(|of| of.doubt),
-            greatest_slope: number(|of| of.greatest_slope),
-            bend: number(|of| of.bend),
+            single: truth(yes.single, no.single),
+            clear: truth(yes.clear, no.clear),
+            from: V::select(mask, yes.from, no.from),
+            to: V::select(mask, yes.to, no.to),
+            none_later: truth(yes.none_later, no.none_later),
+            none_sooner: truth(yes.none_sooner, no.none_sooner),
+            rising: truth(yes.rising, no.rising),
+            at: V::select(mask, yes.at, no.at),
+            slope: V::select(mask, yes.slope, no.slope),
+            doubt: V::select(mask, yes.doubt, no.doubt),
+            greatest_slope: V::select(mask, yes.greatest_slope, no.greatest_slope),
+            bend: V::select(mask, yes.bend, no.bend),
         }
     }
 }
