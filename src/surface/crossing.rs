@@ -2,9 +2,8 @@
 //! goes off, all the time: nothing need be sampled to separate roots there, and a good first guess is at hand.
 
 use super::paraboloid::Stretch;
-use super::patch::Patch;
 use super::ray::Segment;
-use super::real::{Constant, Mask, Real};
+use super::real::{Mask, Real};
 
 /// Most evaluations; a ray that needs more is searched.
 const MAX_STEPS: usize = 8;
@@ -30,28 +29,27 @@ pub(super) struct Crossing<V: Real> {
     pub missed: V::Mask,
 }
 
-impl<S: Constant> Patch<S> {
-    /// The one root of F on a stretch of rays, in some lanes: the secant method from a good guess, held between the
+impl<V: Real> Stretch<V> {
+    /// The one root of F in some lanes: the secant method from a good guess, held between the
     /// ends of the stretch and between the places that are known to lie before and behind the root. Ends
     /// where the root is known to within `close` of the parameter, or F to be within `noise` of zero.
     #[inline(always)]
-    pub(super) fn crossing<V: Real<Scalar = S>>(
+    pub(super) fn crossing(
         &self,
         segment: &Segment<V>,
-        stretch: &Stretch<V>,
         lanes: V::Mask,
         [close, noise]: [V; 2],
         f: &impl Fn(V, V::Mask) -> V,
     ) -> Crossing<V> {
         let like = segment.length;
         let (zero, half, one) = (like.constant(0.0), like.constant(0.5), like.constant(1.0));
-        let least = stretch.slope * like.constant(SLOPES[0]);
-        let most = stretch.greatest_slope * like.constant(SLOPES[1]);
-        let (mut lo, mut hi) = (stretch.from, stretch.to);
-        let mut x = stretch.at;
+        let least = self.slope * like.constant(SLOPES[0]);
+        let most = self.greatest_slope * like.constant(SLOPES[1]);
+        let (mut lo, mut hi) = (self.from, self.to);
+        let mut x = self.at;
         let (mut last_x, mut last) = (x, zero);
-        let mut slope = stretch.slope;
-        let mut doubt = stretch.doubt + slope * like.constant(FIRST_DOUBT);
+        let mut slope = self.slope;
+        let mut doubt = self.doubt + slope * like.constant(FIRST_DOUBT);
         let mut pending = lanes;
         let mut crossing = Crossing {
             at: x,
@@ -61,24 +59,21 @@ impl<S: Constant> Patch<S> {
         for n in 0..MAX_STEPS {
             // Taken so that it rises along the ray.
             let value = f(x, pending);
-            let value = V::select(stretch.rising, value, -value);
+            let value = V::select(self.rising, value, -value);
             if n > 0 {
                 let run = x - last_x;
                 let moved = zero.less(run.abs());
                 let secant = V::select(moved, value - last, slope) / V::select(moved, run, one);
                 slope = secant.greater(least).lesser(most);
-                doubt = slope * like.constant(KINK)
-                    + stretch.bend * like.constant(BEND_ROOM) * run.abs();
+                doubt =
+                    slope * like.constant(KINK) + self.bend * like.constant(BEND_ROOM) * run.abs();
             }
             let step = -(value / slope);
-            let next = (x + step).greater(stretch.from).lesser(stretch.to);
+            let next = (x + step).greater(self.from).lesser(self.to);
             let there = value.abs().at_most(noise);
             let near = (step.abs() * doubt).at_most(close * slope);
             let before = value.less(zero);
-            let (late, early) = (
-                before & stretch.to.at_most(x),
-                !before & x.at_most(stretch.from),
-            );
+            let (late, early) = (before & self.to.at_most(x), !before & x.at_most(self.from));
             let beyond = late | early;
             let there = there
                 | (late & value.abs().at_most(segment.exit_room))
@@ -86,7 +81,7 @@ impl<S: Constant> Patch<S> {
             let found = pending & (there | (near & !beyond));
             crossing.at = V::select(found, V::select(there, x, next), crossing.at);
             crossing.found = crossing.found | found;
-            let none = (late & stretch.none_later) | (early & stretch.none_sooner);
+            let none = (late & self.none_later) | (early & self.none_sooner);
             crossing.missed = crossing.missed | (pending & none & !found);
             pending = pending & !found & !beyond;
             if !pending.any() {
@@ -94,8 +89,8 @@ impl<S: Constant> Patch<S> {
             }
             lo = V::select(before, x, lo);
             hi = V::select(before, hi, x);
-            let stuck = (next.at_most(lo) & stretch.from.less(lo))
-                | (hi.at_most(next) & hi.less(stretch.to));
+            let stuck =
+                (next.at_most(lo) & self.from.less(lo)) | (hi.at_most(next) & hi.less(self.to));
             (last_x, last) = (x, value);
             x = V::select(stuck, (lo + hi) * half, next);
         }
@@ -106,7 +101,7 @@ impl<S: Constant> Patch<S> {
 #[cfg(test)]
 mod tests {
     use super::super::tests::{Random, V, rounded};
-    use super::super::{PatchFlags, PatchKind, Ray, Solver, Surface, Vector};
+    use super::super::{Patch, PatchFlags, PatchKind, Ray, Solver, Surface, Vector};
     use super::*;
 
     /// A ray through a point near the surface, at a grazing angle if so.

@@ -369,7 +369,7 @@ impl<S: Constant> Patch<S> {
         let noise = self.noise(segment);
         // Not the coarser tolerance of rays from afar: the room for a doubtful slope grows with it.
         let close = [noise / segment.speed, noise];
-        let crossing = self.crossing(segment, stretch, single, close, f);
+        let crossing = stretch.crossing(segment, single, close, f);
         hit.found = self.verify(segment, crossing.at, crossing.found, hit);
         crossing.missed
     }

@@ -69,6 +69,19 @@ struct Course<V: Real> {
     drift: V,
 }
 
+/// What is known of rays with one turn.
+struct Turning<V: Real> {
+    /// The turn lies between these two.
+    before: V,
+    after: V,
+    /// Where the rest holds.
+    sure: V::Mask,
+    /// Whether they may cross the surface before the first.
+    sooner: V::Mask,
+    /// Whether they may behind the second.
+    later: V::Mask,
+}
+
 impl<S: Constant> Patch<S> {
     /// The height of a ray over the paraboloid: `c0 + c1 t + c2 t^2`.
     #[inline(always)]
@@ -206,9 +219,8 @@ impl<V: Real> Course<V> {
     /// part by no more than their slopes differ.
     #[inline(always)]
     fn measured(self, value: V, rounding: V) -> Self {
-        let [start, _, end] = self.rooms;
-        let from_start = start.lesser(self.doubt * self.nearest + rounding);
-        let to_end = end.lesser(self.doubt * (self.length - self.nearest) + rounding);
+        let from_start = self.doubt * self.nearest + rounding;
+        let to_end = self.doubt * (self.length - self.nearest) + rounding;
         Self {
             c0: self.c0 + (value - self.height(self.nearest)),
             rooms: [from_start, rounding, to_end],
@@ -217,13 +229,47 @@ impl<V: Real> Course<V> {
         }
     }
 
+    /// What there is to say of rays with one turn, somewhere in a part of the way where they are on one side of
+    /// the surface for certain.
+    #[inline(always)]
+    fn turning(&self, end: V) -> Turning<V> {
+        let (length, doubt) = (self.length, self.doubt);
+        let zero = length.constant(0.0);
+        let [start_room, room, end_room] = self.rooms;
+        let twice = self.c2 + self.c2;
+        let half = doubt * self.per_twice.abs();
+        let (before, after) = (self.turn - half, self.turn + half);
+        let there = self.height(self.nearest);
+        // Where the ray goes off to both sides of the nearest place it comes back by no more than the first
+        // of these, else it gets nearer within that part by no more than the second.
+        let off = zero.less(twice * there);
+        let slope_there = (self.c1 + twice * self.nearest).abs();
+        let pull = (self.drift - slope_there).greater(zero);
+        let furthest = self.nearest.greater(length - self.nearest);
+        let back = (pull * self.per_twice.abs()).lesser(furthest);
+        let first = back * (pull - self.c2.abs() * back);
+        let second = half * (doubt * length.constant(0.5) + self.drift);
+        let sure = (room + V::select(off, first, second)).less(there.abs());
+        let crossed = inlined(
+            #[inline(always)]
+            |height: V, room: V| !(zero.less(height * there) & room.less(height.abs())),
+        );
+        Turning {
+            before,
+            after,
+            sure: self.bent & sure,
+            sooner: !off & zero.less(before) & crossed(self.c0, start_room),
+            later: !off & after.less(length) & crossed(end, end_room),
+        }
+    }
+
     /// Where the rays may cross the surface.
     #[inline(always)]
     fn stretch(&self) -> Stretch<V> {
         let Self { c0, c1, c2, .. } = *self;
-        let (length, doubt, turn) = (self.length, self.doubt, self.turn);
+        let (length, doubt) = (self.length, self.doubt);
         let (zero, one) = (length.constant(0.0), length.constant(1.0));
-        let [start_room, room, end_room] = self.rooms;
+        let [start_room, _, end_room] = self.rooms;
         let twice = c2 + c2;
         let end_slope = c1 + twice * length;
         let end = self.height(length);
@@ -231,33 +277,16 @@ impl<V: Real> Course<V> {
         let even = zero.less(c1 * end_slope) & doubt.less(c1.abs()) & doubt.less(end_slope.abs());
         let apart =
             even & zero.less(c0 * end) & start_room.less(c0.abs()) & end_room.less(end.abs());
-        // Or one turn, somewhere in a part of the way where the ray is on one side of the surface for certain.
-        let half = doubt * self.per_twice.abs();
-        let (before, after) = (turn - half, turn + half);
-        let there = self.height(self.nearest);
-        // Where the ray goes off to both sides of the nearest place it comes back by no more than the first
-        // of these, else it gets nearer within that part by no more than the second.
-        let off = zero.less(twice * there);
-        let slope_there = (c1 + twice * self.nearest).abs();
-        let pull = (self.drift - slope_there).greater(zero);
-        let furthest = self.nearest.greater(length - self.nearest);
-        let back = (pull * self.per_twice.abs()).lesser(furthest);
-        let first = back * (pull - c2.abs() * back);
-        let second = half * (doubt * length.constant(0.5) + self.drift);
-        let sure = (room + V::select(off, first, second)).less(there.abs());
-        let turns = self.bent & sure & !even;
-        let crossed = inlined(
-            #[inline(always)]
-            |height: V, room: V| !(zero.less(height * there) & room.less(height.abs())),
-        );
-        let sooner = turns & !off & zero.less(before) & crossed(c0, start_room);
-        let later = turns & !off & after.less(length) & crossed(end, end_room);
+        let turning = self.turning(end);
+        let turns = turning.sure & !even;
+        let sooner = turns & turning.sooner;
+        let later = turns & turning.later;
         let second = later & !sooner;
         let rising =
             (even & zero.less(c1)) | (sooner & twice.less(zero)) | (second & zero.less(twice));
-        let from = V::select(second, after.greater(zero), zero);
-        let to = V::select(sooner, before.lesser(length), length);
-        // c0 + c1 t + c2 t^2, of its two roots the one where it changes as the ray does.
+        let from = V::select(second, turning.after.greater(zero), zero);
+        let to = V::select(sooner, turning.before.lesser(length), length);
+        // Of the quadratic's two roots the one where it changes as the ray does.
         let upward = inlined(
             #[inline(always)]
             |c: V| V::select(rising, c, -c),
