@@ -102,7 +102,6 @@ impl<V: Real> Stretch<V> {
 mod tests {
     use super::super::tests::{Random, V, rounded};
     use super::super::{Patch, PatchFlags, PatchKind, Ray, Solver, Surface, Vector};
-    use super::*;
 
     /// A ray through a point near the surface, at a grazing angle if so.
     fn ray(random: &mut Random, patch: &Patch<f32>, grazing: bool) -> Ray<f32> {
