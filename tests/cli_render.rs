@@ -227,10 +227,10 @@ fn a_method_is_its_parts_and_each_can_be_chosen() {
     .concat();
     assert_eq!(default, work(&[&["--method", "paper"], &ours[..]].concat()));
     // Spheres let more rays through to a patch; fewer digits take fewer evaluations.
-    let evaluations = |of: &(serde_json::Value, _)| of.0["evaluations"].as_u64().unwrap();
-    assert!(evaluations(&work(&bounds)) > evaluations(&default));
+    let kernel = |of: &(serde_json::Value, _), what: &str| of.0[what].as_u64().unwrap();
+    assert!(kernel(&work(&bounds), "calls") > kernel(&default, "calls"));
     let few = work(&["--method", "paper", "--ita-bits", "9"]);
-    assert!(evaluations(&few) < evaluations(&paper));
+    assert!(kernel(&few, "evaluations") < kernel(&paper, "evaluations"));
     let path = shop.path("ball.png");
     let args = ["render", &mesh, "-o", &path, "--size", "8x8", "--stats"];
     let text = stdout(&shop.succeeds(&[&args[..], &bounds].concat()));
