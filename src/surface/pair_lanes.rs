@@ -29,75 +29,68 @@ pub(super) trait PairLanes<S: Simd>: Constant {
     fn bits(mask: Self::Mask) -> u64;
 }
 
-impl<S: Simd> PairLanes<S> for Patches<S> {
-    const LEN: usize = 8;
-    type Places = u8x32<S>;
+macro_rules! pair_lanes {
+    (
+        $lanes:ident: $length:literal, $register:ident, $mask:ident, $mask_register:ident, $words:ident, $places:ty,
+        |$column:ident, $at:ident| $of_patches:expr,
+        |$rays:ident, $numbers:ident, $simd:ident, $of:ident| $of_rays:expr
+    ) => {
+        impl<S: Simd> PairLanes<S> for $lanes<S> {
+            const LEN: usize = $length;
+            type Places = $places;
 
-    #[inline(always)]
-    fn places(simd: S, bytes: &[u32]) -> Self::Places {
-        u32x8::from_slice(simd, &bytes[..8]).to_bytes()
-    }
-    #[inline(always)]
-    fn of_patches(simd: S, column: &[f32; PATCHES], places: Self::Places) -> Self {
-        Self(f32x8::from_slice(simd, column).swizzle_dyn(places))
-    }
-    #[inline(always)]
-    fn of_rays(simd: S, column: &[f32; MAX_LANES], lanes: &[u8], _: Self::Places) -> Self {
+            #[inline(always)]
+            fn places(simd: S, bytes: &[u32]) -> Self::Places {
+                $words::from_slice(simd, &bytes[..$length]).to_bytes()
+            }
+            #[inline(always)]
+            fn of_patches(simd: S, column: &[f32; PATCHES], $at: Self::Places) -> Self {
+                let $column = f32x8::from_slice(simd, column);
+                Self($of_patches)
+            }
+            #[inline(always)]
+            fn of_rays(
+                $simd: S,
+                $rays: &[f32; MAX_LANES],
+                $numbers: &[u8],
+                $of: Self::Places,
+            ) -> Self {
+                Self($of_rays)
+            }
+            #[inline(always)]
+            fn load(simd: S, from: &[f32]) -> Self {
+                Self($register::from_slice(simd, &from[..$length]))
+            }
+            #[inline(always)]
+            fn store(self, to: &mut [f32]) {
+                self.0.store_slice(&mut to[..$length]);
+            }
+            #[inline(always)]
+            fn lanes(simd: S, bits: u64) -> Self::Mask {
+                $mask($mask_register::from_bitmask(simd, bits))
+            }
+            #[inline(always)]
+            fn bits(mask: Self::Mask) -> u64 {
+                mask.0.to_bitmask()
+            }
+        }
+    };
+}
+
+pair_lanes! {
+    Patches: 8, f32x8, PatchMask, mask32x8, u32x8, u8x32<S>,
+    |column, places| column.swizzle_dyn(places),
+    // A register of eight does not hold a column of sixteen rays.
+    |column, lanes, simd, _places| {
         let mut numbers = [0.0; 8];
         for (to, &lane) in numbers.iter_mut().zip(lanes) {
             *to = column[usize::from(lane) % MAX_LANES];
         }
-        Self::load(simd, &numbers)
-    }
-    #[inline(always)]
-    fn load(simd: S, from: &[f32]) -> Self {
-        Self(f32x8::from_slice(simd, &from[..8]))
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f32]) {
-        self.0.store_slice(&mut to[..8]);
-    }
-    #[inline(always)]
-    fn lanes(simd: S, bits: u64) -> Self::Mask {
-        PatchMask(mask32x8::from_bitmask(simd, bits))
-    }
-    #[inline(always)]
-    fn bits(mask: Self::Mask) -> u64 {
-        mask.0.to_bitmask()
+        f32x8::from_slice(simd, &numbers)
     }
 }
-
-impl<S: Simd> PairLanes<S> for ManyPatches<S> {
-    const LEN: usize = 16;
-    type Places = u8x64<S>;
-
-    #[inline(always)]
-    fn places(simd: S, bytes: &[u32]) -> Self::Places {
-        u32x16::from_slice(simd, &bytes[..16]).to_bytes()
-    }
-    #[inline(always)]
-    fn of_patches(simd: S, column: &[f32; PATCHES], places: Self::Places) -> Self {
-        let column = f32x8::from_slice(simd, column);
-        Self(column.combine(column).swizzle_dyn(places))
-    }
-    #[inline(always)]
-    fn of_rays(simd: S, column: &[f32; MAX_LANES], _: &[u8], places: Self::Places) -> Self {
-        Self(f32x16::from_slice(simd, column).swizzle_dyn(places))
-    }
-    #[inline(always)]
-    fn load(simd: S, from: &[f32]) -> Self {
-        Self(f32x16::from_slice(simd, &from[..16]))
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f32]) {
-        self.0.store_slice(&mut to[..16]);
-    }
-    #[inline(always)]
-    fn lanes(simd: S, bits: u64) -> Self::Mask {
-        ManyMask(mask32x16::from_bitmask(simd, bits))
-    }
-    #[inline(always)]
-    fn bits(mask: Self::Mask) -> u64 {
-        mask.0.to_bitmask()
-    }
+pair_lanes! {
+    ManyPatches: 16, f32x16, ManyMask, mask32x16, u32x16, u8x64<S>,
+    |column, places| column.combine(column).swizzle_dyn(places),
+    |column, _lanes, simd, places| f32x16::from_slice(simd, column).swizzle_dyn(places)
 }
