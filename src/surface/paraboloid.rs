@@ -7,7 +7,7 @@
 //! ray's turns over the surface lie close to that one, and before and behind them it crosses the surface
 //! once at the most.
 
-use super::patch::{Patch, next};
+use super::patch::{Patch, Rule, next};
 use super::ray::Segment;
 use super::real::{Constant, Mask, Real, Scalar, each, inlined, three};
 use super::vector::Vector;
@@ -180,7 +180,12 @@ impl<S: Constant> Patch<S> {
                 look(b, normals[i]);
             },
         );
-        for [u, v] in PLACES {
+        // Where the angular rule's surface is off most: half-way along a side.
+        let sides: &[_] = match self.rule {
+            Rule::Angular => &[[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]],
+            _ => &[],
+        };
+        for &[u, v] in PLACES.iter().chain(sides) {
             let (u, v) = (zero.constant(u), zero.constant(v));
             look([one - u - v, u, v], self.normal_at(u, v));
         }
@@ -373,9 +378,24 @@ pub(super) fn unkept(kept: u8) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::Random;
+    use super::super::tests::{Random, V};
+    use super::super::vector::vector;
     use super::super::{PatchFlags, PatchKind, Surface};
     use super::*;
+
+    /// How far the surface's slope and height are off the paraboloid's at some place, for what is kept.
+    fn off(patch: &Patch<f64>, random: &mut Random) -> [f64; 2] {
+        let [u, v] = random.inside();
+        let place = patch.point(u, v);
+        let local = (place.position - patch.origin) * (1.0 / patch.size);
+        let [b1, b2] = [1, 2].map(|k| patch.gradients[k].dot(local));
+        let b = [1.0 - b1 - b2, b1, b2];
+        let slope = patch.normal - place.normal * (1.0 / place.normal.dot(patch.normal));
+        let steeper = (slope - patch.paraboloid_slope(b)).length();
+        let height = (0..3).map(|k| patch.sides[k].bulge * b[k] * b[next(k)]);
+        let away = (local.dot(patch.normal) - height.sum::<f64>()).abs();
+        [steeper, away / HEIGHT].map(|off| off / patch.unevenness)
+    }
 
     #[test]
     fn no_surface_is_further_off_the_paraboloid_than_is_kept() {
@@ -385,25 +405,14 @@ mod tests {
             let (p, normals) = random.triangle([5.0, 15.0, 30.0, 45.0][n % 4], 0.6);
             let flags = PatchFlags::new(Surface::ALL[n / 4 % 3]);
             let patch = Patch::<f64>::new(p, normals, flags);
-            for _ in 0..if patch.kind() == PatchKind::Curved {
-                30
-            } else {
-                0
-            } {
-                let [u, v] = random.inside();
-                let place = patch.point(u, v);
-                let local = (place.position - patch.origin) * (1.0 / patch.size);
-                let [b1, b2] = [1, 2].map(|k| patch.gradients[k].dot(local));
-                let b = [1.0 - b1 - b2, b1, b2];
-                let slope = patch.normal - place.normal * (1.0 / place.normal.dot(patch.normal));
-                let height = (0..3)
-                    .map(|k| patch.sides[k].bulge * b[k] * b[next(k)])
-                    .sum::<f64>();
-                let off = slope - patch.paraboloid_slope(b);
+            if patch.kind() != PatchKind::Curved {
+                continue;
+            }
+            for _ in 0..30 {
+                let [steeper, away] = off(&patch, &mut random);
                 total += 1;
-                over += u32::from(patch.unevenness < off.length());
-                let away = (local.dot(patch.normal) - height).abs();
-                high += u32::from(patch.unevenness * HEIGHT < away);
+                over += u32::from(steeper > 1.0);
+                high += u32::from(away > 1.0);
             }
         }
         println!("{over} of {total} points are steeper, {high} further off");
@@ -411,6 +420,37 @@ mod tests {
             total > 20_000 && (over + high) * 500 < total,
             "{over}, {high} of {total}"
         );
+    }
+
+    #[test]
+    fn what_is_steepest_on_its_sides_is_not_further_off_either() {
+        // Triangles of a torus: their paraboloids fit at the vertices.
+        let corner = |i: usize, j: usize| {
+            let ring = i as f64 / 12.0 * std::f64::consts::TAU;
+            let tube = j as f64 / 16.0 * std::f64::consts::TAU;
+            let normal: V = vector(ring.cos() * tube.cos(), ring.sin() * tube.cos(), tube.sin());
+            (vector(ring.cos(), ring.sin(), 0.0) + normal * 0.4, normal)
+        };
+        let mut random = Random(23);
+        for surface in Surface::ALL {
+            for j in 0..16 {
+                for corners in [
+                    [(0, j), (1, j), (1, j + 1)],
+                    [(0, j), (1, j + 1), (0, j + 1)],
+                ] {
+                    let corners = corners.map(|(i, j)| corner(i, j));
+                    let flags = PatchFlags::new(surface);
+                    let patch = Patch::new(corners.map(|c| c.0), corners.map(|c| c.1), flags);
+                    for _ in 0..200 {
+                        let [steeper, away] = off(&patch, &mut random);
+                        assert!(
+                            steeper < 1.05 && away < 1.0,
+                            "{surface:?}: {steeper} {away}"
+                        );
+                    }
+                }
+            }
+        }
     }
 
     #[test]
