@@ -273,11 +273,9 @@ impl Form {
                 let mut making = Making::new(&device, (clock, start), triangles);
                 making.bytes.mesh = mesh.memory() as u64;
                 making.bytes.records = curved.memory() as u64;
-                let user = || Geometry::user(&device, curved.clone());
-                let flat = || curved.flat_geometry(&device);
                 let robust = options.flat == FlatTriangles::Apart;
                 making.finish_all(
-                    || Ok([Some(user()?), flat()?].into_iter().flatten().collect()),
+                    || curved.geometries(&device),
                     |b| b.compact(*compact).robust(robust).build_quality(*quality),
                 )
             }

@@ -1,5 +1,8 @@
 //! The triangles that stay flat: traced by the curved mesh itself, or by Embree beside it.
 
+use std::iter;
+use std::sync::Arc;
+
 use super::prepare::PreparedMesh;
 use super::{CurvedMesh, Kinds};
 use crate::embree::{Bounds, Device, Error, Geometry, GeometryBuilder};
@@ -62,6 +65,18 @@ impl PreparedMesh {
 }
 
 impl CurvedMesh {
+    /// All that a scene needs of the mesh: the user geometry of its curved triangles and, where there is one,
+    /// the [flat geometry](Self::flat_geometry) beside it, in this order.
+    ///
+    /// # Errors
+    /// If there is not enough memory.
+    pub fn geometries(self: &Arc<Self>, device: &Device) -> Result<Vec<GeometryBuilder>, Error> {
+        let curved = Geometry::user(device, self.clone())?;
+        Ok(iter::once(curved)
+            .chain(self.flat_geometry(device)?)
+            .collect())
+    }
+
     /// Whether a triangle is left to the flat geometry.
     pub(super) fn is_apart(&self, triangle: u32) -> bool {
         self.flat_apart && may_be_apart(&self.records[triangle as usize])

@@ -10,7 +10,7 @@ use super::place::{Instance, Place};
 use super::stats::{MemoryParts, Times};
 use super::tree::Tree;
 use crate::curved::{CurvedMesh, CurvedOptions, Kinds, Spheres};
-use crate::embree::{self, Device, Geometry, Hit, Ray};
+use crate::embree::{self, Device, Geometry, GeometryBuilder, Hit, Ray};
 use crate::mesh::{Bounds, Mesh, Parts};
 
 /// What a mesh's triangles stand for.
@@ -296,13 +296,19 @@ impl Shape {
         }
     }
 
-    /// Without flat triangles that are apart.
-    pub(super) fn geometry(&self, device: &Device) -> Result<Geometry, embree::Error> {
-        match self {
-            Self::Flat(mesh) => Geometry::triangles(device, mesh.positions(), mesh.triangles()),
-            Self::Curved(mesh) => Geometry::user(device, mesh.clone()),
-        }?
-        .commit()
+    /// Its geometry and, behind it, that of the flat triangles that are apart.
+    pub(super) fn geometries(&self, device: &Device) -> Result<Vec<Geometry>, embree::Error> {
+        let geometries = match self {
+            Self::Flat(mesh) => {
+                let flat = Geometry::triangles(device, mesh.positions(), mesh.triangles())?;
+                vec![flat]
+            }
+            Self::Curved(mesh) => mesh.geometries(device)?,
+        };
+        geometries
+            .into_iter()
+            .map(GeometryBuilder::commit)
+            .collect()
     }
 
     fn into_mesh(self) -> Arc<Mesh> {

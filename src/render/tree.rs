@@ -32,17 +32,21 @@ impl Tree {
         for (number, place) in places.iter().enumerate() {
             let shape = &shapes[place.shape];
             let Some(instance) = &place.instance else {
-                builder.attach(&shape.geometry(device)?);
-                apart.extend(flat(shape, device)?.map(|flat| (number as u32, flat)));
+                for (n, geometry) in shape.geometries(device)?.into_iter().enumerate() {
+                    if n == 0 {
+                        builder.attach(&geometry);
+                    } else {
+                        apart.push((number as u32, geometry));
+                    }
+                }
                 continue;
             };
             let tree = match &mut inner[place.shape] {
                 Some(tree) => tree,
                 none => {
                     let mut builder = empty()?;
-                    builder.attach(&shape.geometry(device)?);
-                    if let Some(flat) = flat(shape, device)? {
-                        builder.attach(&flat);
+                    for geometry in shape.geometries(device)? {
+                        builder.attach(&geometry);
                     }
                     none.insert(builder.commit()?)
                 }
@@ -69,14 +73,4 @@ impl Tree {
             instance => instance,
         }
     }
-}
-
-/// The flat triangles of a curved mesh that are traced apart.
-fn flat(shape: &Shape, device: &Device) -> Result<Option<Geometry>, Error> {
-    let Shape::Curved(mesh) = shape else {
-        return Ok(None);
-    };
-    mesh.flat_geometry(device)?
-        .map(|flat| flat.commit())
-        .transpose()
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use curvetri::bodies::{self, Blob};
 use curvetri::curved::{CurvedMesh, CurvedOptions, FlatTriangles};
 use curvetri::embree::{
-    Device, Geometry, GeometryBuilder, QueryOptions, Ray, RayPacket, Scene, SceneBuilder,
+    Device, GeometryBuilder, QueryOptions, Ray, RayPacket, Scene, SceneBuilder,
 };
 use curvetri::mesh::{LoadOptions, Mesh, Topology, load};
 use curvetri::surface::{Solver, Surface};
@@ -79,9 +79,7 @@ impl Body {
     pub fn traced_with(&self, options: &CurvedOptions) -> Traced {
         let device = Device::new().expect("Embree is installed");
         let curved = Arc::new(CurvedMesh::new(self.mesh.clone(), options));
-        let user = Geometry::user(&device, curved.clone()).unwrap();
-        let flat = curved.flat_geometry(&device).unwrap();
-        let scene = together(&device, [Some(user), flat].into_iter().flatten());
+        let scene = together(&device, curved.geometries(&device).unwrap());
         Traced {
             name: self.name.clone(),
             curved,
@@ -105,7 +103,7 @@ pub fn all_forms() -> Vec<CurvedOptions> {
     all
 }
 
-fn together(device: &Device, geometries: impl Iterator<Item = GeometryBuilder>) -> Scene {
+fn together(device: &Device, geometries: Vec<GeometryBuilder>) -> Scene {
     let mut builder = SceneBuilder::new(device).unwrap().robust(true);
     for geometry in geometries {
         builder.attach(&geometry.commit().unwrap());
