@@ -1,6 +1,6 @@
 #![no_main]
 
-use std::io::Read;
+use std::io::{BufReader, Read};
 
 use flate2::Compression;
 use flate2::read::{GzEncoder, MultiGzDecoder};
@@ -23,7 +23,7 @@ fuzz_target!(|data: &[u8]| {
             .expect("memory has no faults");
         curvetri_fuzz::load_within(&packed, rest.len());
     } else if rest.starts_with(b"\x1f\x8b") {
-        let decoder = MultiGzDecoder::new(rest).take(MOST);
+        let decoder = BufReader::new(MultiGzDecoder::new(rest).take(MOST));
         // What stands before a fault is unpacked as well.
         let length = decoder.bytes().take_while(Result::is_ok).count();
         curvetri_fuzz::load_within(rest, length.max(rest.len()));

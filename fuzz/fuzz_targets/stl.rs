@@ -10,7 +10,10 @@ const FACET: usize = 50;
 // ever find; all others are taken as they are.
 fuzz_target!(|file: &[u8]| {
     let mut file = file.to_vec();
-    if !file.starts_with(b"solid") && file.len() >= HEAD && (file.len() - HEAD) % FACET == 0 {
+    if !file.starts_with(b"solid")
+        && file.len() >= HEAD
+        && (file.len() - HEAD).is_multiple_of(FACET)
+    {
         let facets = (file.len() - HEAD) / FACET;
         file[HEAD - 4..HEAD].copy_from_slice(&(facets as u32).to_le_bytes());
     }
