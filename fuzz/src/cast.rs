@@ -253,10 +253,11 @@ const SHARP: f32 = 1e-3;
 /// How far apart hits may be, in sizes of the mesh, of which one is beside its triangle.
 const BESIDE: f32 = 1e-3;
 
-/// Whether a hit is in the rim by which neighbours overlap. That reaches out of the triangle's box a little,
-/// so that it depends on how boxes are tested whether it is met there or on the neighbour.
+/// Whether a hit is in the rim by which neighbours overlap, or was moved from there onto the side. The rim
+/// reaches out of the triangle's box a little, so that it depends on how boxes are tested whether a ray meets it
+/// there or the neighbour.
 fn is_beside(hit: &Hit) -> bool {
-    hit.u < 0.0 || hit.v < 0.0 || hit.u + hit.v > 1.0
+    hit.u <= 0.0 || hit.v <= 0.0 || hit.u + hit.v >= 1.0 - f32::EPSILON
 }
 
 /// Sets packets beside single rays: the same, but where two triangles are met at the same t (within
