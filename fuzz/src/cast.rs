@@ -46,10 +46,8 @@ pub fn cast_rays(data: &[u8]) {
     let scene = scene(&curved, options.robust);
     let rays: [Ray; RAYS] = std::array::from_fn(|_| ray(&mut bytes, &mesh));
     let singly = rays.map(|ray| scene.intersect1(&ray, &QueryOptions::INCOHERENT));
-    let comparable = rays.map(|ray| {
-        is_sharp(&ray, &mesh)
-            && !(options.curved.unchecked && leaves_a_box(&curved, &ray, &options))
-    });
+    let comparable =
+        rays.map(|ray| is_sharp(&ray, &mesh) && !leaves_a_box(&curved, &ray, &options));
     let told = Told {
         rays,
         singly,
@@ -61,9 +59,9 @@ pub fn cast_rays(data: &[u8]) {
         assert!(occluded == hit.is_some() || !comparable, "{ray:?} {hit:?}");
     }
     for how in [QueryOptions::INCOHERENT, QueryOptions::COHERENT] {
-        compare::<4>(&scene, &curved, &told, &how);
-        compare::<8>(&scene, &curved, &told, &how);
-        compare::<16>(&scene, &curved, &told, &how);
+        compare::<4>(&scene, &mesh, &told, &how);
+        compare::<8>(&scene, &mesh, &told, &how);
+        compare::<16>(&scene, &mesh, &told, &how);
     }
 }
 
@@ -229,8 +227,9 @@ fn is_sharp(ray: &Ray, mesh: &Mesh) -> bool {
     f32::EPSILON * away < SHARP * least && !tiny
 }
 
-/// Whether a ray meets a patch beyond its box, which bounds surely only what was checked: a packet comes
-/// there with the rays beside it, and one ray alone does not.
+/// Whether a ray meets a patch beyond its box: a packet comes there with the rays beside it, and one ray alone
+/// does not. The rim by which neighbours overlap reaches out of the box a little; what is not in the rim is
+/// surely in the box where the surface was checked.
 fn leaves_a_box(curved: &CurvedMesh, ray: &Ray, options: &Options) -> bool {
     let kernel_ray = curvetri::surface::Ray {
         origin: ray.origin.into(),
@@ -243,7 +242,8 @@ fn leaves_a_box(curved: &CurvedMesh, ray: &Ray, options: &Options) -> bool {
         let [lower, upper] = patch.bounds().map(Vec3::from);
         let hit = patch.intersect(&kernel_ray, options.curved.solver);
         let at = ray.at(hit.t);
-        hit.found && at.clamp(lower, upper) != at
+        let free = options.curved.unchecked || is_beside([hit.u, hit.v]);
+        hit.found && free && at.clamp(lower, upper) != at
     })
 }
 
@@ -253,27 +253,19 @@ const SHARP: f32 = 1e-3;
 /// How far a ray may come off the surface between hits, in sizes of the mesh, of which one is beside its triangle.
 const BESIDE: f32 = 1e-3;
 
-/// Whether a hit is in the rim by which neighbours overlap, or was moved from there onto the side. The rim
-/// reaches out of the triangle's box a little, so that it depends on how boxes are tested whether a ray meets it
-/// there or the neighbour.
-fn is_beside(hit: &Hit) -> bool {
-    hit.u <= 0.0 || hit.v <= 0.0 || hit.u + hit.v >= 1.0 - f32::EPSILON
-}
-
-/// Whether a hit in the rim is out of its triangle's box.
-fn is_out(curved: &CurvedMesh, ray: &Ray, hit: &Hit) -> bool {
-    let [lower, upper] = curved.patch(hit.prim_id).bounds().map(Vec3::from);
-    let at = ray.at(hit.t);
-    is_beside(hit) && at.clamp(lower, upper) != at
+/// Whether these coordinates are in the rim by which neighbours overlap, or were moved from there onto the
+/// side.
+fn is_beside([u, v]: [f32; 2]) -> bool {
+    u <= 0.0 || v <= 0.0 || u + v >= 1.0 - f32::EPSILON
 }
 
 /// Sets packets beside single rays: the same, but where two triangles are met at the same t (within
 /// rounding) either may be named.
-fn compare<const N: usize>(scene: &Scene, curved: &CurvedMesh, told: &Told, how: &QueryOptions<'_>)
+fn compare<const N: usize>(scene: &Scene, mesh: &Mesh, told: &Told, how: &QueryOptions<'_>)
 where
     Width<N>: Traced,
 {
-    let size = curved.mesh().bounds().diagonal() as f32;
+    let size = mesh.bounds().diagonal() as f32;
     for first in (0..RAYS).step_by(N) {
         let rays = &told.rays[first..][..N];
         let mut packet = RayPacket::<N>::from_rays(rays);
@@ -286,11 +278,6 @@ where
                 continue;
             }
             let hit = packet.hit(lane);
-            // Where nothing else is behind the rim, a ray meets it or nothing.
-            let beyond = |hit: &Option<Hit>| hit.as_ref().is_some_and(|h| is_out(curved, ray, h));
-            if single.is_some() != hit.is_some() && (beyond(single) || beyond(&hit)) {
-                continue;
-            }
             let same = match (single, &hit) {
                 (Some(a), Some(b)) if a.prim_id == b.prim_id => a == b,
                 (Some(a), Some(b)) => {
@@ -298,7 +285,8 @@ where
                     // A ray at a grazing angle goes far within rounding.
                     let off = [a, b].map(|hit| apart * ray.direction.dot(hit.ng.normalize()).abs());
                     apart <= 4.0 * f32::EPSILON * a.t.abs()
-                        || (is_beside(a) || is_beside(b)) && off[0].min(off[1]) <= BESIDE * size
+                        || (is_beside([a.u, a.v]) || is_beside([b.u, b.v]))
+                            && off[0].min(off[1]) <= BESIDE * size
                 }
                 (a, b) => a.is_none() && b.is_none(),
             };
