@@ -218,7 +218,9 @@ fn is_sharp(ray: &Ray, mesh: &Mesh) -> bool {
     let triangles = 0..mesh.triangles().len();
     let least = triangles.map(|triangle| {
         let [a, b, c] = mesh.triangle_positions(triangle);
-        a.distance(b).max(b.distance(c)).max(c.distance(a))
+        // Not by the distance, whose square may be too small a number.
+        let [a, b] = [b - a, c - a].map(|side| side.abs().max_element());
+        a.max(b)
     });
     let least = least.filter(|&size| size > 0.0).fold(f32::MAX, f32::min);
     let furthest = mesh.positions().iter().map(|p| p.length());
