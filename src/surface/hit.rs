@@ -421,7 +421,9 @@ impl<S: Constant> Patch<S> {
         // rounded apart, and it is those two that are told.
         let b = [one - b[1] - b[2], b[1], b[2]];
         let floor = like.constant(-MAX_OUTSIDE);
-        let outside = lanes & (b[0].less(floor) | b[1].less(floor) | b[2].less(floor));
+        // What is no number at all is not inside.
+        let inside = floor.at_most(b[0]) & floor.at_most(b[1]) & floor.at_most(b[2]);
+        let outside = lanes & !inside;
         if !outside.any() {
             return ([b[1], b[2]], zero);
         }

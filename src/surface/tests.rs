@@ -344,6 +344,36 @@ fn a_needle_s_foot_stays_in_it_under_a_ray_from_very_far() {
     assert!(b.iter().all(|b| inside.contains(b)), "{b:?}");
 }
 
+/// Found by fuzzing: so fast a ray overflows in units of so small a triangle, and what is no number passed for
+/// inside.
+#[test]
+fn a_ray_beyond_all_numbers_hits_nothing_that_is_none() {
+    let positions: [Vector<f32>; 3] = [
+        vector(5.180671e-27, 5.1807204e-27, 5.180671e-27),
+        vector(5.1807204e-27, 5.180671e-27, 5.1807204e-27),
+        vector(5.180671e-27, 5.1785017e-27, 5.1807204e-27),
+    ];
+    let normals = [vector(1.0, 1.0, 1.0).normalize(); 3];
+    for (surface, solver) in Surface::ALL
+        .into_iter()
+        .flat_map(|surface| [(surface, Solver::ITA), (surface, Solver::default())])
+    {
+        let flags = PatchFlags::new(surface).with_unchecked();
+        let patch = Patch::<f32>::new(positions, normals, flags);
+        for speed in [1.0, 1e4, 1e8, 1.9581848e8, 1e9, 1e12] {
+            let ray = Ray {
+                origin: vector(5.1806468e-27, -4.2479703e-22, -4.247955e-22),
+                direction: vector(0.0, speed, speed * 0.9999965),
+                tnear: 0.0,
+                tfar: f32::INFINITY,
+            };
+            let hit = patch.intersect(&ray, solver);
+            let finite = [hit.t, hit.u, hit.v].iter().all(|x| x.is_finite());
+            assert!(finite || !hit.found, "{speed} {hit:?}");
+        }
+    }
+}
+
 /// Neighbours overlap beyond a straight side, and a ray that meets the side must not touch the surface there
 /// and leave it again, as at a kink.
 #[test]
