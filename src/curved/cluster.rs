@@ -2,46 +2,77 @@
 //! the boxes of all its triangles in two cache lines.
 //!
 //! The boxes are the cluster's own: along the sum of its triangles' normals, where neighbours are thin, and
-//! along a side of one of them. Boxes along the axes of space let half as many more rays through. As the
-//! directions are kept in a few digits they are not quite perpendicular, which nothing depends on: a box is
-//! what lies between two values along each of three directions.
+//! across two sides of one of them. Boxes along the axes of space let half as many more rays through. A box is
+//! what lies between two values along each of three directions, which need not be perpendicular. Along a
+//! fourth, across the longest side, one of the ends cuts off the half of the box that the triangle leaves
+//! empty; the other, where there is but a corner, would cut off next to nothing.
 
 use fearless_simd::{Level, dispatch, f32x8, prelude::*};
 use glam::Vec3;
 
 use crate::embree::Bounds;
-use crate::surface::{KeptPatch, PATCHES, Patches, Reach, Real, Vector, inlined, vector};
+use crate::surface::{
+    KeptPatch, PATCHES, PatchMask, Patches, Reach, Real, Vector, inlined, vector,
+};
 
 /// Most triangles of a cluster.
 pub(super) const SIZE: usize = 8;
 /// In place of a triangle's number where a cluster has fewer.
 pub(super) const NONE: u32 = u32::MAX;
-/// Steps from the middle of a cluster to the furthest end of its triangles' boxes along a direction.
-const STEPS: f32 = 127.0;
+/// Steps from the middle of a cluster to the furthest end of its triangles' boxes along each direction, at the
+/// most: what is rounded to whole ones still fits a byte then, along the last from any end to beyond the cluster.
+const STEPS: [f32; DIRECTIONS] = [126.0, 126.0, 126.0, 63.0];
 /// A direction's components are kept in units of one over this.
 const DIGITS: f32 = 128.0;
+/// The cosine of the angle between two sides, above which boxes do not lie across both.
+const MOST_COSINE: f32 = 0.9;
 /// How far off its bounds a surface may come out, in units of epsilon of the cluster's extents.
 const ROUNDING: f32 = 64.0 * f32::EPSILON;
+
+/// Directions along which boxes have ends.
+pub(super) const DIRECTIONS: usize = 4;
+/// The one along which boxes have but one: the other is beyond the cluster.
+const CUT: usize = DIRECTIONS - 1;
+/// Half of what a box takes up there, in half steps.
+const CUT_HALF: u8 = 127;
 
 /// Some neighbouring triangles and their boxes.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Cluster {
-    /// The corners of the common box, along the axes of space.
-    lower: [f32; 3],
-    upper: [f32; 3],
-    /// The first components of the three directions, their second and their third ones.
-    directions: [[i8; 4]; 3],
+    /// Of the common box, along the axes of space.
+    middle: [f32; 3],
+    /// Half the extents of the common box.
+    half: [Above; 3],
     /// A step along each direction.
-    step: [f32; 3],
-    /// Where the boxes begin along each direction, in steps from the middle.
-    pub from: [[i8; SIZE]; 3],
-    /// And where they end.
-    pub to: [[i8; SIZE]; 3],
+    step: [Above; DIRECTIONS],
+    /// The first components of the directions, their second and their third ones.
+    directions: [[i8; DIRECTIONS]; 3],
+    /// The boxes' middles along each direction, in steps from the middle.
+    middles: [[i8; SIZE]; DIRECTIONS],
+    /// Half of what they take up along each but the last, in half steps; along that, all take up as much.
+    halves: [[u8; SIZE]; DIRECTIONS - 1],
     pub triangles: [u32; SIZE],
 }
 
 const _: () = assert!(size_of::<Cluster>() == 128 && SIZE == PATCHES);
+
+/// A number from zero in half the bits, rounded up.
+#[derive(Clone, Copy, Debug, Default)]
+struct Above(u16);
+
+impl Above {
+    fn new(number: f32) -> Self {
+        let bits = number.to_bits();
+        // Beyond the greatest number it is infinite, as it should be.
+        Self(bits.div_ceil(1 << 16) as u16)
+    }
+
+    #[inline(always)]
+    fn get(self) -> f32 {
+        f32::from_bits(u32::from(self.0) << 16)
+    }
+}
 
 /// A triangle of a cluster.
 #[derive(Clone, Copy)]
@@ -74,26 +105,38 @@ impl Cluster {
         let shapes = Shapes::new(simd, members);
         let boxes = members.iter().map(|member| member.bounds);
         let all = boxes.fold(Bounds::EMPTY, Bounds::union);
+        let middle = all.lower * 0.5 + all.upper * 0.5;
+        let half = (all.upper - middle).max(middle - all.lower);
         let mut cluster = Self {
-            lower: all.lower.to_array(),
-            upper: all.upper.to_array(),
-            directions: [[0; 4]; 3],
-            step: [0.0; 3],
-            from: [[0; SIZE]; 3],
-            to: [[0; SIZE]; 3],
+            middle: middle.to_array(),
+            // The next number, as differences are rounded.
+            half: half.to_array().map(|half| Above::new(half.next_up())),
+            step: [Above::default(); DIRECTIONS],
+            directions: [[0; DIRECTIONS]; 3],
+            middles: [[0; SIZE]; DIRECTIONS],
+            halves: [[0; SIZE]; CUT],
             triangles: [NONE; SIZE],
         };
         for (axis, direction) in shapes.directions(members.len()).into_iter().enumerate() {
             for (to, component) in cluster.directions.iter_mut().zip(direction.to_array()) {
-                to[axis] = (component * STEPS).round() as i8;
+                to[axis] = (component * (DIGITS - 1.0)).round() as i8;
             }
         }
-        for axis in 0..3 {
-            let [from, to] = cluster.ranges(axis, &shapes);
-            let step = step(furthest(from).max(furthest(to)));
-            cluster.step[axis] = step;
-            cluster.from[axis] = steps_below(from, step).map(|steps| steps as i8);
-            cluster.to[axis] = steps_below(-to, step).map(|steps| -steps as i8);
+        for axis in 0..DIRECTIONS {
+            let ranges = cluster.ranges(axis, &shapes);
+            let furthest = furthest(ranges[0]).max(furthest(ranges[1]));
+            let kept = step(furthest, STEPS[axis]);
+            cluster.step[axis] = kept;
+            let step = shapes.lower.x.constant(kept.get().into());
+            if axis == CUT {
+                let direction = shapes.everywhere(cluster.direction(axis));
+                let below = shapes.reach.has_side_below(direction);
+                cluster.middles[axis] = cut_off(ranges, below, step).map(|steps| steps as i8);
+            } else {
+                let [middles, halves] = in_steps(ranges, step);
+                cluster.middles[axis] = middles.map(|steps| steps as i8);
+                cluster.halves[axis] = halves.map(|steps| steps as u8);
+            }
         }
         for (place, member) in cluster.triangles.iter_mut().zip(members) {
             *place = member.triangle;
@@ -105,14 +148,8 @@ impl Cluster {
     #[inline(always)]
     fn ranges<S: Simd>(&self, axis: usize, shapes: &Shapes<S>) -> [Patches<S>; 2] {
         let like = shapes.lower.x;
-        let all = inlined(
-            #[inline(always)]
-            |of: Vec3| {
-                let [x, y, z] = of.to_array().map(f64::from);
-                vector(like.constant(x), like.constant(y), like.constant(z))
-            },
-        );
-        let (direction, middle) = (all(self.direction(axis)), all(self.middle()));
+        let direction = shapes.everywhere(self.direction(axis));
+        let middle = shapes.everywhere(self.middle());
         let (lower, upper) = (shapes.lower - middle, shapes.upper - middle);
         let x = [direction.x * lower.x, direction.x * upper.x];
         let y = [direction.y * lower.y, direction.y * upper.y];
@@ -128,39 +165,62 @@ impl Cluster {
     /// The common box's middle, from which steps are counted.
     #[inline(always)]
     pub fn middle(&self) -> Vec3 {
-        Vec3::from(self.lower) * 0.5 + Vec3::from(self.upper) * 0.5
+        self.middle.into()
+    }
+
+    /// Half the common box's extents.
+    #[inline(always)]
+    fn half(&self) -> Vec3 {
+        let [x, y, z] = self.half;
+        Vec3::new(x.get(), y.get(), z.get())
     }
 
     /// How far, along any direction, it is from the middle to where a triangle may be at the most.
     #[inline(always)]
     pub fn extent(&self) -> f32 {
-        (Vec3::from(self.upper) * 0.5 - Vec3::from(self.lower) * 0.5).element_sum()
+        self.half().element_sum()
     }
 
-    /// One of the three directions, in size about one.
+    /// One of the directions, in size about one.
     #[inline(always)]
     pub fn direction(&self, axis: usize) -> Vec3 {
         let [x, y, z] = self.directions.map(|component| f32::from(component[axis]));
         Vec3::new(x, y, z) * (1.0 / DIGITS)
     }
 
-    /// A component of all three directions; zero behind them.
+    /// A component of all directions.
     #[inline(always)]
-    pub fn components(&self, component: usize) -> [f32; 4] {
+    pub fn components(&self, component: usize) -> [f32; DIRECTIONS] {
         self.directions[component].map(|digits| f32::from(digits) * (1.0 / DIGITS))
     }
 
-    /// A step along each of the three directions.
+    /// A step along each of the directions.
     #[inline(always)]
-    pub fn step(&self) -> [f32; 3] {
-        self.step
+    pub fn step(&self) -> [f32; DIRECTIONS] {
+        let [a, b, c, d] = self.step;
+        [a.get(), b.get(), c.get(), d.get()]
+    }
+
+    /// The boxes' middles along a direction, in steps from the cluster's, and half of what they take up, in half
+    /// steps.
+    #[inline(always)]
+    pub fn ranges_in_steps(&self, axis: usize) -> [[f32; SIZE]; 2] {
+        let halves = self.halves.get(axis).unwrap_or(&[CUT_HALF; SIZE]);
+        let [mut middle, mut half] = [[0.0; SIZE]; 2];
+        for n in 0..SIZE {
+            (middle[n], half[n]) = (self.middles[axis][n].into(), halves[n].into());
+        }
+        [middle, half]
     }
 
     /// The box of all its triangles.
     pub fn bounds(&self) -> Bounds {
+        let (middle, half) = (self.middle(), self.half());
+        let (lower, upper) = (middle - half, middle + half);
         Bounds {
-            lower: self.lower.into(),
-            upper: self.upper.into(),
+            // The next numbers, as the ends are rounded.
+            lower: lower.to_array().map(f32::next_down).into(),
+            upper: upper.to_array().map(f32::next_up).into(),
         }
     }
 
@@ -209,20 +269,39 @@ impl<S: Simd> Shapes<S> {
         }
     }
 
-    /// Along the first triangle's first side, across it, and along the mean of the first so many normals: of
-    /// unit length.
+    /// The same for every triangle.
     #[inline(always)]
-    fn directions(&self, count: usize) -> [Vec3; 3] {
+    fn everywhere(&self, of: Vec3) -> Vector<Patches<S>> {
+        let like = self.lower.x;
+        let [x, y, z] = of.to_array().map(f64::from);
+        vector(like.constant(x), like.constant(y), like.constant(z))
+    }
+
+    /// Across the first triangle's shortest sides, along the mean of the first so many normals, and across the
+    /// longest side: of unit length.
+    #[inline(always)]
+    fn directions(&self, count: usize) -> [Vec3; DIRECTIONS] {
         let Vector { x, y, z } = self.reach.normal();
         let sum = |of: Patches<S>| of.numbers()[..count].iter().sum::<f32>();
         let up = Vec3::new(sum(x), sum(y), sum(z)).normalize_or(Vec3::Z);
-        let Vector { x, y, z } = self.reach.side();
-        let side = Vec3::new(x.numbers()[0], y.numbers()[0], z.numbers()[0]);
+        let mut sides = self.reach.sides().map(|Vector { x, y, z }| {
+            let side = Vec3::new(x.numbers()[0], y.numbers()[0], z.numbers()[0]);
+            (side.abs().max_element(), side)
+        });
+        sides.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let any = up.any_orthonormal_vector();
         // Scaled first: its square may be too small a number.
-        let side = side / side.abs().max_element().max(f32::MIN_POSITIVE);
-        let across = up.cross(side);
-        let across = across.normalize_or(up.any_orthonormal_vector());
-        [across.cross(up), across, up]
+        let [a, b, c] = sides.map(|(size, side)| {
+            up.cross(side / size.max(f32::MIN_POSITIVE))
+                .normalize_or(any)
+        });
+        // Sides that run side by side leave open how far a triangle reaches along them.
+        let b = if a.dot(b).abs() < MOST_COSINE {
+            b
+        } else {
+            up.cross(a)
+        };
+        [a, b, up, c]
     }
 }
 
@@ -232,23 +311,46 @@ fn furthest<S: Simd>(of: Patches<S>) -> f32 {
     of.abs().numbers().into_iter().fold(0.0, f32::max)
 }
 
-/// The least step such that [`STEPS`] of them lead this far, whatever the rounding.
-fn step(furthest: f32) -> f32 {
-    let mut step = furthest / STEPS;
-    while step * STEPS < furthest {
-        step = step.next_up();
+/// The least step such that so many of them lead this far, whatever the rounding.
+fn step(furthest: f32, steps: f32) -> Above {
+    let mut step = Above::new((furthest / steps).max(f32::MIN_POSITIVE));
+    while step.get() * steps < furthest {
+        step.0 += 1;
     }
-    step.max(f32::MIN_POSITIVE)
+    step
 }
 
-/// The greatest numbers of steps that lead no further than these.
+/// The middles of ranges in steps and half of what they take up in half steps, both whole numbers.
 #[inline(always)]
-fn steps_below<S: Simd>(to: Patches<S>, step: f32) -> [f32; SIZE] {
-    let (step, one) = (to.constant(step.into()), to.constant(1.0));
-    let steps = Patches((to / step).0.floor());
-    // Where the quotient was rounded up.
-    let steps = Patches::select(to.less(steps * step), steps - one, steps);
-    steps.greater(to.constant((-STEPS).into())).numbers()
+fn in_steps<S: Simd>([from, to]: [Patches<S>; 2], step: Patches<S>) -> [[f32; SIZE]; 2] {
+    let (half, one) = (step.constant(0.5), step.constant(1.0));
+    let middle = Patches(((from * half + to * half) / step + half).0.floor());
+    let reach = (to - middle * step).greater(middle * step - from);
+    let steps = Patches((reach / (half * step)).0.ceil());
+    // Where the quotient was rounded down.
+    let steps = Patches::select((steps * step * half).less(reach), steps + one, steps);
+    [middle.numbers(), steps.numbers()]
+}
+
+/// The middles, in steps, of the ranges from the lower ends of those in `below` to anywhere beyond the cluster,
+/// and from there to the upper ends of the others.
+#[inline(always)]
+fn cut_off<S: Simd>(
+    [from, to]: [Patches<S>; 2],
+    below: PatchMask<S>,
+    step: Patches<S>,
+) -> [f32; SIZE] {
+    let half = step.constant(0.5 * f64::from(CUT_HALF));
+    // A range below the middle is one above turned round.
+    let end = Patches::select(below, from, -to);
+    let steps = end / step + half;
+    // What rounding may add.
+    let steps = Patches(
+        (steps - steps.abs() * step.constant(f32::EPSILON.into()))
+            .0
+            .floor(),
+    );
+    Patches::select(below, steps, -steps).numbers()
 }
 
 #[cfg(test)]
@@ -339,17 +441,18 @@ pub(super) mod tests {
                         let point = triangles.point(triangle, &mut random);
                         assert!(bounds.lower.cmple(point + room).all(), "{point}");
                         assert!(bounds.upper.cmpge(point - room).all(), "{point}");
-                        for axis in 0..3 {
+                        for axis in 0..DIRECTIONS {
+                            let [middle, half] = cluster.ranges_in_steps(axis);
                             let at = cluster.direction(axis).dot(point - cluster.middle());
-                            let end = |steps: i8| f32::from(steps) * cluster.step()[axis];
-                            assert!(end(cluster.from[axis][n]) <= at + room, "{axis} {point}");
-                            assert!(end(cluster.to[axis][n]) >= at - room, "{axis} {point}");
+                            let step = cluster.step()[axis];
+                            let off = (at - middle[n] * step).abs();
+                            assert!(off <= 0.5 * half[n] * step + room, "{axis} {point}");
                         }
                         points += 1;
                     }
                     let way = |axis: usize| {
-                        let [from, to] = [cluster.from, cluster.to].map(|end| end[axis][n]);
-                        f64::from((f32::from(to) - f32::from(from)) * cluster.step()[axis] / size)
+                        let half = cluster.ranges_in_steps(axis)[1][n];
+                        f64::from(half * cluster.step()[axis] / size)
                     };
                     volume += way(0) * way(1) * way(2);
                 }
@@ -376,12 +479,20 @@ pub(super) mod tests {
             .collect();
         let cluster = &Triangles(shapes).clusters()[0];
         for n in 0..SIZE {
-            let [a, b, height] = [0, 1, 2].map(|axis| {
-                let steps = f32::from(cluster.to[axis][n]) - f32::from(cluster.from[axis][n]);
-                steps * cluster.step()[axis]
-            });
+            let [a, b, height] =
+                [0, 1, 2].map(|axis| cluster.ranges_in_steps(axis)[1][n] * cluster.step()[axis]);
             // no larger than the digits of directions and steps make them
             assert!(a < 1.1 && b < 1.1 && height < 0.03, "{a} {b} {height}");
+            // What the triangle leaves of a rectangle is cut off.
+            let triangle = cluster.triangles[n];
+            let at = along * (triangle / 2) as f32 + across * (triangle % 2) as f32;
+            let is_in = |u: f32, v: f32| {
+                let way = at + along * u + across * v - cluster.middle();
+                let [middle, half] = cluster.ranges_in_steps(CUT);
+                let steps = cluster.direction(CUT).dot(way) / cluster.step()[CUT];
+                (steps - middle[n]).abs() <= 0.5 * half[n]
+            };
+            assert!(is_in(0.5, 0.5) && is_in(0.0, 0.0) && !is_in(0.55, 0.55));
         }
     }
 }

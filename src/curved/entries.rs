@@ -2,7 +2,7 @@
 
 use fearless_simd::{Level, dispatch, f32x4, f32x8, prelude::*, u32x8};
 
-use super::cluster::{Cluster, NONE, SIZE};
+use super::cluster::{Cluster, DIRECTIONS, NONE, SIZE};
 use crate::embree::Ray;
 use crate::surface::{
     Lanes, MAX_LANES, Quad, RayLanes, Real, Vector, inlined, load_lanes, three, vector,
@@ -43,14 +43,10 @@ impl Cluster {
     fn entries_of<S: Simd>(&self, simd: S, ray: &Ray) -> Entries {
         let (mut from, mut to) = (f32x8::splat(simd, ray.tnear), f32x8::splat(simd, ray.tfar));
         let ways = self.ways_of(simd, ray);
-        for (way, ends) in ways.iter().zip(self.from.iter().zip(&self.to)) {
-            let in_lanes = inlined(
-                #[inline(always)]
-                |steps| f32x8::from_slice(simd, &in_steps(steps)),
-            );
-            let (lower, upper) = (in_lanes(ends.0), in_lanes(ends.1));
-            let middle = (lower + upper) * (0.5 * way.step) + way.start;
-            let half = (upper - lower) * (0.5 * way.step.abs()) + way.room;
+        for (axis, way) in ways.iter().enumerate() {
+            let [middle, half] = self.ranges_in_steps(axis);
+            let middle = f32x8::from_slice(simd, &middle) * way.step + way.start;
+            let half = f32x8::from_slice(simd, &half) * way.half_step + way.room;
             from = from.max(middle - half);
             to = to.min(middle + half);
         }
@@ -65,9 +61,9 @@ impl Cluster {
         }
     }
 
-    /// A ray's ways along the three directions, one a lane.
+    /// A ray's ways along the directions, one a lane.
     #[inline(always)]
-    fn ways_of<S: Simd>(&self, simd: S, ray: &Ray) -> [Way<f32>; 3] {
+    fn ways_of<S: Simd>(&self, simd: S, ray: &Ray) -> [Way<f32>; DIRECTIONS] {
         let quad = inlined(
             #[inline(always)]
             |of: [f32; 4]| Quad(f32x4::from_slice(simd, &of)),
@@ -76,22 +72,23 @@ impl Cluster {
             #[inline(always)]
             |component| quad(self.components(component)),
         );
-        let [a, b, c] = self.step();
         let way = Way::new(
             vector(x, y, z),
-            quad([a, b, c, 0.0]),
+            quad(self.step()),
             Vector::splat(x, (ray.origin - self.middle()).into()),
             Vector::splat(x, ray.direction.into()),
             x.splat(self.extent()),
         );
-        three(
+        let one = inlined(
             #[inline(always)]
-            |axis| Way {
+            |axis: usize| Way {
                 start: way.start.0[axis],
                 step: way.step.0[axis],
+                half_step: way.half_step.0[axis],
                 room: way.room.0[axis],
             },
-        )
+        );
+        [one(0), one(1), one(2), one(3)]
     }
 
     /// For each triangle the lanes, of those in `valid`, whose rays meet its box.
@@ -129,17 +126,9 @@ impl Cluster {
     ) -> [u32; SIZE] {
         let mut all = [0; SIZE];
         // Converted in lanes, once: a box at a time that would take as long as its test.
-        let columns = inlined(
-            #[inline(always)]
-            |of: &[[i8; SIZE]; 3]| [in_steps(&of[0]), in_steps(&of[1]), in_steps(&of[2])],
-        );
-        let (mut middle, mut half) = (columns(&self.from), columns(&self.to));
-        for (a, b) in middle
-            .as_flattened_mut()
-            .iter_mut()
-            .zip(half.as_flattened_mut())
-        {
-            (*a, *b) = ((*a + *b) * 0.5, (*b - *a) * 0.5);
+        let mut ranges = [[[0.0; SIZE]; 2]; DIRECTIONS];
+        for (axis, ranges) in ranges.iter_mut().enumerate() {
+            *ranges = self.ranges_in_steps(axis);
         }
         for first in (0..rays.tnear.len().min(MAX_LANES)).step_by(S::f32s::LEN) {
             let ways = self.ways::<S>(simd, rays, first);
@@ -151,9 +140,9 @@ impl Cluster {
                     break;
                 }
                 let (mut from, mut to) = (tnear, tfar);
-                for (axis, way) in ways.iter().enumerate() {
-                    let middle = way.step.0 * middle[axis][n] + way.start.0;
-                    let half = way.step.0.abs() * half[axis][n] + way.room.0;
+                for (way, [middle, half]) in ways.iter().zip(&ranges) {
+                    let middle = way.step.0 * middle[n] + way.start.0;
+                    let half = way.half_step.0 * half[n] + way.room.0;
                     from = from.max(middle - half);
                     to = to.min(middle + half);
                 }
@@ -165,9 +154,14 @@ impl Cluster {
         all
     }
 
-    /// The ways of a register's rays along the three directions.
+    /// The ways of a register's rays along the directions.
     #[inline(always)]
-    fn ways<S: Simd>(&self, simd: S, rays: &RayLanes<'_>, first: usize) -> [Way<Lanes<S>>; 3] {
+    fn ways<S: Simd>(
+        &self,
+        simd: S,
+        rays: &RayLanes<'_>,
+        first: usize,
+    ) -> [Way<Lanes<S>>; DIRECTIONS] {
         let load = inlined(
             #[inline(always)]
             |[x, y, z]: [&[f32]; 3]| {
@@ -183,24 +177,15 @@ impl Cluster {
         let from = origin - Vector::splat(like, self.middle().into());
         let extent = like.splat(self.extent());
         let step = self.step();
-        three(
+        let one = inlined(
             #[inline(always)]
-            |axis| {
+            |axis: usize| {
                 let direction = Vector::splat(like, self.direction(axis).into());
                 Way::new(direction, like.splat(step[axis]), from, along, extent)
             },
-        )
+        );
+        [one(0), one(1), one(2), one(3)]
     }
-}
-
-/// As numbers to compute with.
-#[inline(always)]
-fn in_steps(steps: &[i8; SIZE]) -> [f32; SIZE] {
-    let mut numbers = [0.0; SIZE];
-    for (to, from) in numbers.iter_mut().zip(steps) {
-        *to = f32::from(*from);
-    }
-    numbers
 }
 
 impl Entries {
@@ -276,6 +261,8 @@ struct Way<V> {
     start: V,
     /// From one step to the next.
     step: V,
+    /// Half as far, without its sign.
+    half_step: V,
     /// What rounding may move it by.
     room: V,
 }
@@ -294,6 +281,7 @@ impl<V: Real<Scalar = f32>> Way<V> {
         Self {
             start: -(direction.dot(origin) * inverse),
             step: step * inverse,
+            half_step: step * inverse.abs() * rate.constant(0.5),
             room: room * inverse.abs(),
         }
     }

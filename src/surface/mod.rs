@@ -66,7 +66,7 @@ pub use flags::{BoundsKind, PatchFlags, Surface};
 pub use hit::{Hit, Solver};
 pub use hull::Interval;
 pub use kept::{Corners, KeptPatch};
-pub(crate) use lanes::{Lanes, PATCHES, Patches, Quad};
+pub(crate) use lanes::{Lanes, PATCHES, PatchMask, Patches, Quad};
 pub use outline::Outline;
 pub(crate) use packet::load_lanes;
 pub use packet::{HitLanes, MAX_LANES, RayLanes};

@@ -69,10 +69,24 @@ impl<V: Constant> Reach<V> {
         self.normal
     }
 
-    /// The way from the first vertex to the second.
+    /// The ways from vertex to vertex.
     #[inline(always)]
-    pub fn side(&self) -> Vector<V> {
-        self.corners[1] - self.corners[0]
+    pub fn sides(&self) -> [Vector<V>; 3] {
+        let [a, b, c] = self.corners;
+        [b - a, c - b, a - c]
+    }
+
+    /// Whether the triangle's lower end along a direction is more of a side than of a corner: there are two
+    /// vertices nearby.
+    #[inline(always)]
+    pub fn has_side_below(&self, direction: Vector<V>) -> V::Mask {
+        let [a, b, c] = three(
+            #[inline(always)]
+            |i| direction.dot(self.corners[i] - self.corners[0]),
+        );
+        let ends = a.lesser(b).lesser(c) + a.greater(b).greater(c);
+        // The vertex between them is below their middle.
+        (a + b + c).less(ends * ends.constant(1.5))
     }
 
     /// The least and the greatest value that the scalar product with a direction takes over the surface, seen

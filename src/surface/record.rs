@@ -9,7 +9,7 @@ use super::sphere::Enlargement;
 /// The per-triangle results worth keeping: with the three vertices they give the patch back
 /// without computing bounds and correction again.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
+#[repr(C, align(32))]
 pub struct PatchRecord {
     /// Least and greatest height, in units of the patch's size.
     pub(super) slab: [f32; 2],
