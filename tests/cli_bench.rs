@@ -104,6 +104,23 @@ fn tables_are_printed() {
 }
 
 #[test]
+fn all_are_asked_in_the_ways_that_are_wanted() {
+    let shop = Workshop::new();
+    let how = ["--triangles=800", "--ways=8c", "--json"];
+    let report = stdout(&shop.succeeds(&[&FEW[..], &how].concat()));
+    let report: Value = serde_json::from_str(&report).unwrap();
+    let forms = report["meshes"][0]["forms"].as_array().unwrap();
+    let rows = || {
+        forms
+            .iter()
+            .flat_map(|form| form["rows"].as_array().unwrap())
+    };
+    assert!(forms.len() > 3 && rows().count() > 3);
+    let other = rows().find(|row| row["width"] != 8 || row["coherent"] != true);
+    assert!(other.is_none(), "{other:?}");
+}
+
+#[test]
 fn names_that_are_none_are_refused_with_those_that_are() {
     let shop = Workshop::new();
     let text = shop.fails(2, &["bench", "--forms", "smoth"]);
@@ -113,6 +130,8 @@ fn names_that_are_none_are_refused_with_those_that_are() {
     );
     let text = shop.fails(2, &["bench", "--kinds", "primary,red"]);
     assert!(text.contains("ambient-occlusion"), "{text}");
+    let text = shop.fails(2, &["bench", "--ways", "32"]);
+    assert!(text.contains("16c"), "{text}");
     let text = shop.fails(1, &["bench", "absent.obj"]);
     assert!(text.contains("absent.obj"), "{text}");
 }

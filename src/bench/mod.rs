@@ -81,8 +81,9 @@ pub struct Options {
     pub clock: Clock,
     /// Numbers of threads to trace on.
     pub threads: Vec<usize>,
-    /// All [ways](Way::ALL) to ask for the main forms, not the [few](Way::FEW) that may be best.
-    pub all_ways: bool,
+    /// The ways of asking the baseline and the default; of these, other forms are asked in the
+    /// [few](Way::FEW) that may be best, or in all where none is.
+    pub ways: Vec<Way>,
     /// Bytes that a form may need; larger ones are left out.
     pub memory: u64,
 }
@@ -98,7 +99,7 @@ impl Default for Options {
             rounds: 5,
             clock: Clock::Wall,
             threads,
-            all_ways: true,
+            ways: Way::ALL.to_vec(),
             memory: spare_memory(),
         }
     }
@@ -120,7 +121,7 @@ impl Options {
         Self {
             rays: 1 << 15,
             rounds: 3,
-            all_ways: false,
+            ways: Way::FEW.to_vec(),
             ..quick
         }
     }
@@ -314,17 +315,20 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// The ways in which a form is asked: all for the main forms, for others those that may be best.
+    /// The ways in which a form is asked: the main forms in all that are wanted, others in those that may be best.
     fn ways(&self, form: &str, kind: RayKind) -> Vec<Way> {
-        let main = form == DEFAULT || form.starts_with(BASELINE);
-        if main && self.options.all_ways {
-            return Way::ALL.to_vec();
-        }
+        let wanted = &self.options.ways;
         let [single, packets] = Way::FEW;
-        match kind {
-            RayKind::Diffuse | RayKind::Random if !main => vec![single],
+        let few = match kind {
+            RayKind::Diffuse | RayKind::Random => vec![single],
             _ => vec![single, packets],
+        };
+        let few: Vec<Way> = few.into_iter().filter(|way| wanted.contains(way)).collect();
+        let main = form == DEFAULT || form.starts_with(BASELINE);
+        if main || few.is_empty() {
+            return wanted.clone();
         }
+        few
     }
 
     /// Compares with the default surface's own hits.

@@ -12,7 +12,7 @@ fn tiny(forms: Vec<NamedForm>) -> (Subject, Options) {
         rays: 4096,
         rounds: 1,
         threads: vec![1],
-        all_ways: true,
+        ways: Way::ALL.to_vec(),
         ..Options::default()
     };
     (subject, options)

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use clap::Args;
 use curvetri::bench::{
-    self, Clock, Goal, Machine, MeshReport, NamedForm, Options, RayKind, Subject, TorusBytes,
+    self, Clock, Goal, Machine, MeshReport, NamedForm, Options, RayKind, Subject, TorusBytes, Way,
 };
 use curvetri::bodies::{bumpy_torus, bumpy_torus_distance};
 use curvetri::mesh::{LoadOptions, load};
@@ -57,6 +57,11 @@ pub struct BenchArgs {
     /// Kinds of rays [default: all]
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
     kinds: Vec<String>,
+
+    /// Ways of asking: 1, 4, 8 or 16 rays at a time, with a c behind where they are said to be coherent; the
+    /// baseline is asked in these ways as well [default: all]
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
+    ways: Vec<String>,
 
     /// About how many rays of a kind [default: 262144]
     #[arg(long, value_name = "N", value_parser = values::samples)]
@@ -176,6 +181,9 @@ impl BenchArgs {
             options.kinds = named(&self.kinds, all, "kind of rays", |kind| {
                 kind.name().to_owned()
             })?;
+        }
+        if !self.ways.is_empty() {
+            options.ways = named(&self.ways, Way::ALL.to_vec(), "way", Way::name)?;
         }
         if !self.threads.is_empty() {
             options.threads.clone_from(&self.threads);

@@ -122,10 +122,10 @@ impl Cluster {
                 to[axis] = (component * (DIGITS - 1.0)).round() as i8;
             }
         }
-        for axis in 0..DIRECTIONS {
+        for (axis, steps) in STEPS.into_iter().enumerate() {
             let ranges = cluster.ranges(axis, &shapes);
             let furthest = furthest(ranges[0]).max(furthest(ranges[1]));
-            let kept = step(furthest, STEPS[axis]);
+            let kept = step(furthest, steps);
             cluster.step[axis] = kept;
             let step = shapes.lower.x.constant(kept.get().into());
             if axis == CUT {
