@@ -127,7 +127,9 @@ impl PackedRays {
             QueryOptions::INCOHERENT
         };
         let occlusion = self.kind.is_occlusion();
-        let chunks = packets.par_chunks(CHUNK / N);
+        // Each a job of its own: with whole runs of them a thread may be left with the longest at the end,
+        // by chance, while the others wait.
+        let chunks = packets.par_chunks(CHUNK / N).with_max_len(1);
         let hits = chunks.map(|chunk| {
             let _flush = flush_denormals();
             let hits = chunk.iter().map(|packet| {
