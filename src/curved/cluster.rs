@@ -124,8 +124,8 @@ impl Cluster {
         }
         for (axis, steps) in STEPS.into_iter().enumerate() {
             let ranges = cluster.ranges(axis, &shapes);
-            let furthest = furthest(ranges[0]).max(furthest(ranges[1]));
-            let kept = step(furthest, steps);
+            let furthest = ranges[0].abs().greater(ranges[1].abs());
+            let kept = step(greatest(furthest), steps);
             cluster.step[axis] = kept;
             let step = shapes.lower.x.constant(kept.get().into());
             if axis == CUT {
@@ -305,10 +305,11 @@ impl<S: Simd> Shapes<S> {
     }
 }
 
-/// The greatest absolute value.
+/// The greatest of numbers from zero; in pairs, so that few wait for each other.
 #[inline(always)]
-fn furthest<S: Simd>(of: Patches<S>) -> f32 {
-    of.abs().numbers().into_iter().fold(0.0, f32::max)
+fn greatest<S: Simd>(of: Patches<S>) -> f32 {
+    let [a, b, c, d, e, f, g, h] = of.numbers();
+    (a.max(b).max(c.max(d))).max(e.max(f).max(g.max(h)))
 }
 
 /// The least step such that so many of them lead this far, whatever the rounding.
@@ -320,15 +321,15 @@ fn step(furthest: f32, steps: f32) -> Above {
     step
 }
 
-/// The middles of ranges in steps and half of what they take up in half steps, both whole numbers.
+/// The middles of ranges in steps and half of what they take up in half steps, both whole numbers. Ranges have
+/// room for the rounding.
 #[inline(always)]
 fn in_steps<S: Simd>([from, to]: [Patches<S>; 2], step: Patches<S>) -> [[f32; SIZE]; 2] {
-    let (half, one) = (step.constant(0.5), step.constant(1.0));
-    let middle = Patches(((from * half + to * half) / step + half).0.floor());
+    let half = step.constant(0.5);
+    let per_step = step.constant(1.0) / step;
+    let middle = Patches(((from * half + to * half) * per_step + half).0.floor());
     let reach = (to - middle * step).greater(middle * step - from);
-    let steps = Patches((reach / (half * step)).0.ceil());
-    // Where the quotient was rounded down.
-    let steps = Patches::select((steps * step * half).less(reach), steps + one, steps);
+    let steps = Patches((reach * (per_step + per_step)).0.ceil());
     [middle.numbers(), steps.numbers()]
 }
 
@@ -343,13 +344,7 @@ fn cut_off<S: Simd>(
     let half = step.constant(0.5 * f64::from(CUT_HALF));
     // A range below the middle is one above turned round.
     let end = Patches::select(below, from, -to);
-    let steps = end / step + half;
-    // What rounding may add.
-    let steps = Patches(
-        (steps - steps.abs() * step.constant(f32::EPSILON.into()))
-            .0
-            .floor(),
-    );
+    let steps = Patches((end / step + half).0.floor());
     Patches::select(below, steps, -steps).numbers()
 }
 
