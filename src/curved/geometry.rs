@@ -40,6 +40,10 @@ impl UserGeometry for CurvedMesh {
 /// Fewer valid lanes than this are traced one by one.
 const MIN_PACKET: u32 = 3;
 
+/// For fewer pairs of a ray and a triangle than this a cluster is not laid out: on very fine meshes rays that
+/// come by later would not find it any more.
+const MIN_PAIRS: u32 = 2;
+
 /// The lanes of a mask of one bit a lane.
 fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -143,6 +147,15 @@ impl CurvedMesh {
         let asked = met.iter().enumerate();
         let asked = asked.fold(0, |asked, (n, &lanes)| asked | u32::from(lanes != 0) << n);
         if asked == 0 {
+            return 0;
+        }
+        let pairs = met.iter().map(|lanes| lanes.count_ones()).sum::<u32>();
+        if pairs < MIN_PAIRS && !Laid::has(self.number, prim) {
+            for n in lanes(asked) {
+                // Lanes that are occluded by now are valid no more.
+                let lanes = met[n] & query.valid();
+                self.trace_triangle(query, cluster.triangle(n), lanes, normals, &report);
+            }
             return 0;
         }
         let mut laid = 0;

@@ -58,6 +58,14 @@ impl Laid {
         })
     }
 
+    /// Whether the calling thread has a cluster of a mesh laid out.
+    pub fn has(mesh: u64, cluster: u32) -> bool {
+        LAID.with_borrow(|laid| {
+            let slot = &laid.slots[cluster as usize % SLOTS];
+            (slot.mesh, slot.cluster) == (mesh, cluster)
+        })
+    }
+
     /// Keeps the room that hits take for the next ones.
     pub fn keep(hits: Box<PairHits>) {
         LAID.with_borrow_mut(|laid| laid.hits = Some(hits));
