@@ -3,8 +3,8 @@
 #
 #   ci/profile.sh > docs/profile.md
 #
-# Needs perf (Debian: linux-perf) and addr2line (binutils). What is inlined counts for the innermost
-# stage that its chain of functions names; Embree's own time, which flat triangles take as well, is left
+# Needs perf (Debian: linux-perf) and addr2line (binutils). What is inlined counts for the first stage in the
+# list below that its chain of functions names; Embree's own time, which flat triangles take as well, is left
 # out, as the samples do not tell whose it is.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -20,8 +20,8 @@ trap 'rm -rf "$folder"' EXIT
 # Where the kernel puts a position-independent program whose addresses are not random.
 base=$((16#555555554000))
 
-# A function or file in a chain of inlined functions and its stage: the first that matches counts; of making a mesh and its
-# patches, nothing does.
+# A function or file in a chain of inlined functions and its stage: the first that matches counts; of making a
+# mesh and its patches, nothing does.
 stages='tessellate=
 prepare=
 clusters=

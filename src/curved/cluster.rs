@@ -51,7 +51,7 @@ pub(super) struct Cluster {
     /// The boxes' middles along each direction, in steps from the middle.
     middles: [[i8; SIZE]; DIRECTIONS],
     /// Half of what they take up along each but the last, in half steps; along that, all take up as much.
-    halves: [[u8; SIZE]; DIRECTIONS - 1],
+    halves: [[u8; SIZE]; CUT],
     pub triangles: [u32; SIZE],
 }
 

@@ -40,10 +40,6 @@ impl UserGeometry for CurvedMesh {
 /// Fewer valid lanes than this are traced one by one.
 const MIN_PACKET: u32 = 3;
 
-/// For fewer pairs of a ray and a triangle than this a cluster is not laid out: on very fine meshes rays that
-/// come by later would not find it any more.
-const MIN_PAIRS: u32 = 2;
-
 /// The lanes of a mask of one bit a lane.
 fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -150,12 +146,10 @@ impl CurvedMesh {
             return 0;
         }
         let pairs = met.iter().map(|lanes| lanes.count_ones()).sum::<u32>();
-        if pairs < MIN_PAIRS && !Laid::has(self.number, prim) {
-            for n in lanes(asked) {
-                // Lanes that are occluded by now are valid no more.
-                let lanes = met[n] & query.valid();
-                self.trace_triangle(query, cluster.triangle(n), lanes, normals, &report);
-            }
+        // On very fine meshes rays that come by later would not find it laid out any more.
+        if pairs == 1 && !Laid::has(self.number, prim) {
+            let n = asked.trailing_zeros() as usize;
+            self.trace_triangle(query, cluster.triangle(n), met[n], normals, report);
             return 0;
         }
         let mut laid = 0;

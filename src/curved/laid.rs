@@ -25,6 +25,17 @@ struct Slot {
     block: PatchBlock,
 }
 
+impl Slot {
+    fn holds(&self, mesh: u64, cluster: u32) -> bool {
+        (self.mesh, self.cluster) == (mesh, cluster)
+    }
+}
+
+/// The slot of a cluster: neighbouring ones have neighbouring numbers.
+fn place(cluster: u32) -> usize {
+    cluster as usize % SLOTS
+}
+
 thread_local! {
     static LAID: RefCell<Laid> = RefCell::new(Laid::new());
 }
@@ -60,10 +71,7 @@ impl Laid {
 
     /// Whether the calling thread has a cluster of a mesh laid out.
     pub fn has(mesh: u64, cluster: u32) -> bool {
-        LAID.with_borrow(|laid| {
-            let slot = &laid.slots[cluster as usize % SLOTS];
-            (slot.mesh, slot.cluster) == (mesh, cluster)
-        })
+        LAID.with_borrow(|laid| laid.slots[place(cluster)].holds(mesh, cluster))
     }
 
     /// Keeps the room that hits take for the next ones.
@@ -77,9 +85,8 @@ impl Laid {
         cluster: u32,
         lay: impl FnOnce(&mut PatchBlock),
     ) -> &PatchBlock {
-        // Neighbouring clusters have neighbouring numbers.
-        let slot = &mut self.slots[cluster as usize % SLOTS];
-        if (slot.mesh, slot.cluster) != (mesh, cluster) {
+        let slot = &mut self.slots[place(cluster)];
+        if !slot.holds(mesh, cluster) {
             (slot.mesh, slot.cluster) = (mesh, cluster);
             slot.block.clear();
             lay(&mut slot.block);
