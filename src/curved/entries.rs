@@ -45,8 +45,8 @@ impl Cluster {
         let ways = self.ways_of(simd, ray);
         for (axis, way) in ways.iter().enumerate() {
             let [middle, half] = self.ranges_in_steps(axis);
-            let middle = f32x8::from_slice(simd, &middle) * way.step + way.start;
-            let half = f32x8::from_slice(simd, &half) * way.half_step + way.room;
+            let middle = f32x8::from_slice(simd, &middle).mul_add(way.step, way.start);
+            let half = f32x8::from_slice(simd, &half).mul_add(way.half_step, way.room);
             from = from.max(middle - half);
             to = to.min(middle + half);
         }
@@ -141,8 +141,8 @@ impl Cluster {
                 }
                 let (mut from, mut to) = (tnear, tfar);
                 for (way, [middle, half]) in ways.iter().zip(&ranges) {
-                    let middle = way.step.0 * middle[n] + way.start.0;
-                    let half = way.half_step.0 * half[n] + way.room.0;
+                    let middle = way.step.0.mul_add(middle[n], way.start.0);
+                    let half = way.half_step.0.mul_add(half[n], way.room.0);
                     from = from.max(middle - half);
                     to = to.min(middle + half);
                 }

@@ -1,5 +1,6 @@
 //! The curved surface cut into flat triangles.
 
+use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -181,7 +182,11 @@ impl CurvedMesh {
             };
             return (mix(positions), mix(normals).normalize_or(Vec3::Z));
         }
-        let point = patch.point(u, v);
+        // With the processor's fused products.
+        let point = dispatch!(Level::new(), simd => simd.vectorize(
+            #[inline(always)]
+            || patch.point(u, v)
+        ));
         // Adding zero turns -0 into +0, so that equal positions have equal bits.
         let [position, normal] = [point.position, point.normal].map(|x| Vec3::from(x) + Vec3::ZERO);
         (position, normal)

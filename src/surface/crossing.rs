@@ -49,7 +49,7 @@ impl<V: Real> Stretch<V> {
         let mut x = self.at;
         let (mut last_x, mut last) = (x, zero);
         let mut slope = self.slope;
-        let mut doubt = self.doubt + slope * like.constant(FIRST_DOUBT);
+        let mut doubt = slope.mul_add(like.constant(FIRST_DOUBT), self.doubt);
         let mut pending = lanes;
         let mut crossing = Crossing {
             at: x,
@@ -65,8 +65,8 @@ impl<V: Real> Stretch<V> {
                 let moved = zero.less(run.abs());
                 let secant = V::select(moved, value - last, slope) / V::select(moved, run, one);
                 slope = secant.greater(least).lesser(most);
-                doubt =
-                    slope * like.constant(KINK) + self.bend * like.constant(BEND_ROOM) * run.abs();
+                let bend = self.bend * like.constant(BEND_ROOM) * run.abs();
+                doubt = slope.mul_add(like.constant(KINK), bend);
             }
             let step = -(value / slope);
             let next = (x + step).greater(self.from).lesser(self.to);

@@ -44,10 +44,10 @@ impl<S: Constant> Patch<S> {
         let sides = &self.sides;
         let b_i = choice.pick(b);
         let b_m = choice.pick([b[2], b[0], b[1]]);
-        let along = choice.pick([b[1], b[2], b[0]]) + b_m.times(choice.constant(|k| sides[k].foot));
+        let b_j = choice.pick([b[1], b[2], b[0]]);
+        let along = b_m.times_add(choice.constant(|k| sides[k].foot), b_j);
         let limit = self.median(along, choice);
         let ramp = if self.any_obtuse {
-            let b_j = choice.pick([b[1], b[2], b[0]]);
             T::select(choice.truth(|k| sides[k].obtuse), lesser(b_i, b_j), limit)
         } else {
             limit
@@ -81,7 +81,7 @@ impl<S: Constant> Patch<S> {
         let above_m = choice.pick([above[2], above[0], above[1]]);
         let above_j = choice.pick([above[1], above[2], above[0]]);
         let shift = choice.constant(|k| sides[k].tilt) * z;
-        let along = above_j + above_m * foot;
+        let along = above_m.mul_add(foot, above_j);
         let held = along.greater(zero).lesser(one);
         let limit = self.median(held, choice);
         let room = limit - shift;
@@ -89,13 +89,13 @@ impl<S: Constant> Patch<S> {
         let share = V::select(open, above_m - shift, zero) / V::select(open, room, one);
         let share = share.lesser(one);
         let mut b_m = share * limit;
-        let mut b_j = held - b_m * foot;
+        let mut b_j = held.less_product(b_m, foot);
         let mut turn = one - share;
         if self.any_obtuse {
             let obtuse = choice.truth(|k| sides[k].obtuse);
             let (ramp_m, ramp_share) = ramp_under(along, foot, above_m, shift);
             b_m = V::select(obtuse, ramp_m, b_m);
-            b_j = V::select(obtuse, along - ramp_m * foot, b_j);
+            b_j = V::select(obtuse, along.less_product(ramp_m, foot), b_j);
             turn = V::select(obtuse, one - ramp_share, turn);
         }
         let b_i = one - b_j - b_m;
@@ -129,7 +129,7 @@ impl<S: Constant> Patch<S> {
             },
         );
         let [to_second, to_third] = Vector::splat_both(z, self.spokes);
-        let beside = to_second * missed(1) + to_third * missed(2);
+        let beside = to_second.mul_add(missed(1), to_third * missed(2));
         beside.dot(beside)
     }
 

@@ -4,7 +4,7 @@
 use super::dual::{at_least, capped, ratio_or_zero};
 use super::guide::Foot;
 use super::patch::{Patch, Rule, next};
-use super::real::{Constant, Jet, Real, inlined, three};
+use super::real::{Constant, Jet, Quadratic, Real, inlined, three};
 
 /// The damping factor's floor: where three sides disagree strongly it would turn negative. A side
 /// alone takes it down to 0.1 at most, so that no side's slope hangs on which of two equals wins.
@@ -43,21 +43,20 @@ impl<S: Constant> Patch<S> {
         }
         let b = foot.b;
         let damping = self.damping_factor(b);
-        let guide2 = (foot.lean * foot.lean).plus(like.constant(1.0));
+        let guide2 = foot.lean.mul_add(foot.lean, T::lift(like.constant(1.0)));
         let height = foot.choice.constant(|k| self.sides[k].height);
         let up = foot.choice.pick([b[2], b[0], b[1]]).times(height);
-        let [first, second, third] = three(
+        let spheres = three(
             #[inline(always)]
-            |i| b[i] * self.sphere_parameter(i, foot, damping, guide2, up, height),
+            |i| self.on_sphere(i, foot, damping, guide2, up, height),
         );
-        first + second + third
+        T::near_roots(b, spheres)
     }
 
-    /// The guide line's parameter `t` on the sphere of vertex `i`: the root of
-    /// `A t^2 - 2 B t + C = 0` near the plane, everything multiplied by `|d|^2` so that nothing
-    /// divides at the vertex.
+    /// What vanishes where the guide line meets the sphere of vertex `i`: its root near the plane is the line's
+    /// parameter there. Everything is multiplied by `|d|^2`, so that nothing divides at the vertex.
     #[inline(always)]
-    fn sphere_parameter<V: Real<Scalar = S>, T: Jet<V>>(
+    fn on_sphere<V: Real<Scalar = S>, T: Jet<V>>(
         &self,
         i: usize,
         foot: &Foot<V, T>,
@@ -65,7 +64,7 @@ impl<S: Constant> Patch<S> {
         guide2: T,
         up: T,
         height: V,
-    ) -> T {
+    ) -> Quadratic<T> {
         let (j, k) = (next(i), next(next(i)));
         let like = height;
         let (b_j, b_k) = (foot.b[j], foot.b[k]);
@@ -74,24 +73,24 @@ impl<S: Constant> Patch<S> {
             #[inline(always)]
             |side: usize| like.splat(self.sides[side].length2),
         );
-        let distance2 = (b_j * b_j).times(length2(i))
-            + (b_k * b_k).times(length2(k))
-            + (b_j * b_k).times(like.splat(vertex.between + vertex.between));
+        let between = (b_j * b_k).times(like.splat(vertex.between + vertex.between));
+        let distance2 =
+            (b_j * b_j).times_add(length2(i), (b_k * b_k).times_add(length2(k), between));
         let curvature = match self.rule {
             Rule::Angular => self.angular(i, foot.b, distance2),
             _ => self.tensor(i, foot.b),
         };
-        let normal_guide = foot
-            .lean
-            .times(foot.choice.constant(|side| vertex.inward[side]))
-            .plus(like.splat(vertex.normal));
+        let normal_guide = foot.lean.times_add(
+            foot.choice.constant(|side| vertex.inward[side]),
+            T::lift(like.splat(vertex.normal)),
+        );
         // Of the way from the vertex only the part along the lean meets the guide.
         let opposite = V::select(foot.choice.is(j), height, like.constant(0.0));
         let way_guide = foot.lean * up.plus(-opposite);
         let a = curvature.times_distance2 * guide2;
-        let half_b = distance2 * normal_guide - curvature.times_distance2 * way_guide;
+        let half_b = distance2.mul_sub(normal_guide, curvature.times_distance2 * way_guide);
         let c = distance2 * curvature.offset * damping;
-        near_root(a, half_b, c)
+        Quadratic { a, half_b, c }
     }
 
     /// The paper's rule (19): curvature by the angle at the vertex.
@@ -130,12 +129,16 @@ impl<S: Constant> Patch<S> {
         let across = self.mean_bend(j);
         let like = b[0].value();
         let (b_ij, b_ik, b_jk) = (b[i] * b[j], b[i] * b[k], b[j] * b[k]);
-        let times_distance2 = (b[j] * b[j]).times(like.splat(bend_j))
-            + (b[k] * b[k]).times(like.splat(bend_k))
-            + b_jk.times(like.splat(bend_j + bend_k - across));
-        let offset = -(b_ij.times(like.splat(bend_j))
-            + b_ik.times(like.splat(bend_k))
-            + b_jk.times(like.splat(across)));
+        let mixed = b_jk.times(like.splat(bend_j + bend_k - across));
+        let times_distance2 = (b[j] * b[j]).times_add(
+            like.splat(bend_j),
+            (b[k] * b[k]).times_add(like.splat(bend_k), mixed),
+        );
+        let opposite = b_jk.times(like.splat(across));
+        let offset = -b_ij.times_add(
+            like.splat(bend_j),
+            b_ik.times_add(like.splat(bend_k), opposite),
+        );
         Curvature {
             times_distance2,
             offset,
@@ -155,9 +158,11 @@ impl<S: Constant> Patch<S> {
         let like = b[0].value();
         let damping = inlined(
             #[inline(always)]
-            |k: usize| (b[k] * b[next(k)]).times(like.splat(self.sides[k].damping)),
+            |k: usize, rest: T| {
+                (b[k] * b[next(k)]).times_add(like.splat(-self.sides[k].damping), rest)
+            },
         );
-        let factor = (-(damping(0) + damping(1) + damping(2))).plus(like.constant(1.0));
+        let factor = damping(0, damping(1, damping(2, T::lift(like.constant(1.0)))));
         at_least(factor, like.constant(MIN_DAMPING_FACTOR))
     }
 
@@ -174,20 +179,20 @@ impl<S: Constant> Patch<S> {
             #[inline(always)]
             |k| {
                 let side = &self.sides[k];
-                let free = b[next(k)] + b[next(next(k))].times(like.splat(side.foot));
+                let free = b[next(next(k))].times_add(like.splat(side.foot), b[next(k)]);
                 let along = capped(at_least(free, zero), one);
                 let [c0, c1, c2] = three(
                     #[inline(always)]
                     |n| like.splat(side.correction[n]),
                 );
-                let mut slope = (along * along.times(c2).plus(c1)).plus(c0);
+                let mut slope = along.mul_add(along.times_add(c2, T::lift(c1)), T::lift(c0));
                 if self.any_loose {
                     slope = slope / loosened(side.loose, free, b[k], b[next(k)]);
                 }
-                weights[k] * slope
+                slope
             },
         );
-        let sum = first + second + third;
+        let sum = weights[0].mul_add(first, weights[1].mul_add(second, weights[2] * third));
         let share = weights[0] + weights[1] + weights[2];
         let bubble = weights[0] * b[2];
         // Outside a vertex the weights' sum can vanish, so there the correction fades out.
@@ -199,14 +204,6 @@ impl<S: Constant> Patch<S> {
         let fade = T::select(inside, T::lift(one), capped(at_least(near, zero), one));
         ratio_or_zero(bubble * sum * fade, share, like.constant(1e-20))
     }
-}
-
-/// The root of `a t^2 - 2 half_b t + c = 0` that vanishes with c.
-#[inline(always)]
-pub(super) fn near_root<V: Real, T: Jet<V>>(a: T, half_b: T, c: T) -> T {
-    let like = c.value();
-    let discriminant = at_least(half_b * half_b - a * c, like.constant(0.0));
-    ratio_or_zero(c, half_b + discriminant.sqrt(), like.constant(1e-30))
 }
 
 /// What a side's slope is divided by for its loose ends: the shares `along` and `1 - along`, held

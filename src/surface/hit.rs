@@ -434,7 +434,8 @@ impl<S: Constant> Patch<S> {
                 let (side, j, m) = (&self.sides[k], next(k), next(next(k)));
                 let distance = b[m] * like.splat(side.height);
                 let further = outside & distance.less(furthest);
-                let along = (b[j] + b[m] * like.splat(side.foot))
+                let along = b[m]
+                    .mul_add(like.splat(side.foot), b[j])
                     .greater(zero)
                     .lesser(one);
                 let mut on_side = [zero; 3];

@@ -222,8 +222,10 @@ impl<S: Scalar> Hull<S> {
         let grazing = self.grazing(along, distance);
         for plane in &self.planes {
             let normal = Vector::splat(like, plane.normal);
-            let mut value =
-                normal.dot(from) + (like.splat(plane.offset) + like.splat(plane.spread) * distance);
+            let offset = like
+                .splat(plane.spread)
+                .mul_add(distance, like.splat(plane.offset));
+            let mut value = normal.dot(from) + offset;
             let rate = normal.dot(along);
             if let Some([reach, later]) = grazing {
                 value = value + reach * (rate.abs() * later + like.splat(plane.spread));

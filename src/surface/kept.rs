@@ -1,5 +1,7 @@
 //! A triangle as a mesh keeps it: what rays are traced against, laid out anew for each.
 
+use fearless_simd::{Level, Simd, dispatch};
+
 use super::frame::Frame;
 use super::outline::Outline;
 use super::patch::Patch;
@@ -60,7 +62,10 @@ impl<'a> KeptPatch<'a> {
 
     /// The whole patch.
     pub fn patch(&self) -> Patch<f32> {
-        self.outline().complete()
+        dispatch!(Level::new(), simd => simd.vectorize(
+            #[inline(always)]
+            || self.outline().complete()
+        ))
     }
 
     /// The same as [`Patch::beyond`].

@@ -7,7 +7,7 @@ use fearless_simd::{
     f32x4, f32x8, f32x16, mask32x4, mask32x8, mask32x16, prelude::*, u32x8, u32x16,
 };
 
-use super::real::{Constant, Mask, Real, atan2};
+use super::real::{Arithmetic, Constant, Mask, Real, atan2};
 
 macro_rules! arithmetic {
     ($lanes:ident: $($operation:ident $function:ident),*) => {$(
@@ -73,6 +73,13 @@ macro_rules! lanes {
             #[inline(always)]
             fn neg(self) -> Self {
                 Self(-self.0)
+            }
+        }
+
+        impl<S: Simd> Arithmetic for $lanes<S> {
+            #[inline(always)]
+            fn mul_add(self, factor: Self, term: Self) -> Self {
+                Self(self.0.mul_add(factor.0, term.0))
             }
         }
 

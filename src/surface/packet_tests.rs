@@ -1,12 +1,13 @@
-//! Packets against single rays: every lane bit for bit, at every level this machine has.
+//! Packets against single rays: every lane bit for bit, at every level of this machine's that fuses products and
+//! sums; to rounding at the others.
 
 use fearless_simd::Level;
 
-use super::tests::{Random, V, rounded};
+use super::tests::{Random, V, fuses, rounded};
 use super::*;
 
 /// Every instruction set this machine has, best first.
-fn levels() -> Vec<Level> {
+fn all_levels() -> Vec<Level> {
     use fearless_simd::Simd;
     let best = Level::new();
     #[cfg(target_arch = "x86_64")]
@@ -20,6 +21,12 @@ fn levels() -> Vec<Level> {
     std::iter::once(best)
         .chain(further.into_iter().flatten())
         .collect()
+}
+
+/// Those whose lanes are numbers alone.
+fn levels() -> Vec<Level> {
+    let levels = all_levels();
+    levels.into_iter().filter(|level| fuses(*level)).collect()
 }
 
 /// A patch's own vertices and what is kept of it.
@@ -201,6 +208,39 @@ fn every_lane_is_its_ray_alone() {
     }
     println!("{counts:?} hits and misses at {} levels", levels().len());
     assert!(counts[0] > 5000 && counts[1] > 2000, "{counts:?}");
+}
+
+#[test]
+fn levels_that_round_twice_agree_to_rounding() {
+    let mut random = Random(14);
+    let levels = all_levels().into_iter().filter(|level| !fuses(*level));
+    let levels: Vec<Level> = levels.collect();
+    let (mut rays, mut differ) = (0, 0);
+    for n in 0..400 {
+        let (p, normals) = random.triangle(15.0, 0.5);
+        let triangle = Triangle::new(p, normals, PatchFlags::new(Surface::ALL[n % 3]));
+        let patch = triangle.patch();
+        let packet: Vec<_> = (0..16).map(|_| odd_ray(&mut random, &patch)).collect();
+        let columns = Columns::new(&packet);
+        for &level in &levels {
+            let solver = Solver::default();
+            let kept = triangle.kept();
+            let hits = kept.intersect_packet_at(level, &columns.rays(), u32::MAX, solver, true);
+            for (lane, ray) in packet.iter().enumerate() {
+                let (alone, _) = kept.intersect_at(level, ray, solver, true);
+                let fused = patch.intersect(ray, solver);
+                let near = |hit: &Hit<f32>, t: f32| (hit.t - t).abs() < 1e-5 * (1.0 + t.abs());
+                let found = hits.found >> lane & 1 != 0;
+                let same = [&alone, &fused]
+                    .into_iter()
+                    .all(|hit| hit.found == found && (!found || near(hit, hits.t[lane])));
+                rays += 1;
+                differ += usize::from(!same);
+            }
+        }
+    }
+    println!("{differ} of {rays} differ at {} levels", levels.len());
+    assert!(differ * 200 <= rays, "{differ} of {rays}");
 }
 
 #[test]

@@ -94,9 +94,9 @@ impl<S: Constant> Patch<S> {
             |k| {
                 let (i, j) = (k, next(k));
                 let bulge = c0.splat(self.sides[k].bulge);
-                c0 = c0 - bulge * (b[i] * b[j]);
-                c1 = c1 - bulge * (b[i] * rate[j] + rate[i] * b[j]);
-                c2 = c2 - bulge * (rate[i] * rate[j]);
+                c0 = c0.less_product(bulge, b[i] * b[j]);
+                c1 = c1.less_product(bulge, b[i].mul_add(rate[j], rate[i] * b[j]));
+                c2 = c2.less_product(bulge, rate[i] * rate[j]);
             },
         );
         [c0, c1, c2]
@@ -109,7 +109,7 @@ impl<S: Constant> Patch<S> {
         let length = segment.length;
         let (zero, one) = (length.constant(0.0), length.constant(1.0));
         let uneven = length.splat(self.unevenness);
-        let room = uneven * length.constant(HEIGHT) + segment.exit_room;
+        let room = uneven.mul_add(length.constant(HEIGHT), segment.exit_room);
         let twice = c2 + c2;
         let bent = zero.less(twice.abs());
         let per_twice = one / V::select(bent, twice, one);
@@ -211,7 +211,7 @@ impl<V: Real> Course<V> {
     /// The height over the paraboloid.
     #[inline(always)]
     fn height(&self, at: V) -> V {
-        self.c0 + (self.c1 + self.c2 * at) * at
+        self.c2.mul_add(at, self.c1).mul_add(at, self.c0)
     }
 
     /// Whether one evaluation of F may tell more.
@@ -224,8 +224,8 @@ impl<V: Real> Course<V> {
     /// part by no more than their slopes differ.
     #[inline(always)]
     fn measured(self, value: V, rounding: V) -> Self {
-        let from_start = self.doubt * self.nearest + rounding;
-        let to_end = self.doubt * (self.length - self.nearest) + rounding;
+        let from_start = self.doubt.mul_add(self.nearest, rounding);
+        let to_end = self.doubt.mul_add(self.length - self.nearest, rounding);
         Self {
             c0: self.c0 + (value - self.height(self.nearest)),
             rooms: [from_start, rounding, to_end],
@@ -248,12 +248,12 @@ impl<V: Real> Course<V> {
         // Where the ray goes off to both sides of the nearest place it comes back by no more than the first
         // of these, else it gets nearer within that part by no more than the second.
         let off = zero.less(twice * there);
-        let slope_there = (self.c1 + twice * self.nearest).abs();
+        let slope_there = twice.mul_add(self.nearest, self.c1).abs();
         let pull = (self.drift - slope_there).greater(zero);
         let furthest = self.nearest.greater(length - self.nearest);
         let back = (pull * self.per_twice.abs()).lesser(furthest);
-        let first = back * (pull - self.c2.abs() * back);
-        let second = half * (doubt * length.constant(0.5) + self.drift);
+        let first = back * pull.less_product(self.c2.abs(), back);
+        let second = half * doubt.mul_add(length.constant(0.5), self.drift);
         let sure = (room + V::select(off, first, second)).less(there.abs());
         let crossed = inlined(
             #[inline(always)]
@@ -276,7 +276,7 @@ impl<V: Real> Course<V> {
         let (zero, one) = (length.constant(0.0), length.constant(1.0));
         let [start_room, _, end_room] = self.rooms;
         let twice = c2 + c2;
-        let end_slope = c1 + twice * length;
+        let end_slope = twice.mul_add(length, c1);
         let end = self.height(length);
         // One way all along.
         let even = zero.less(c1 * end_slope) & doubt.less(c1.abs()) & doubt.less(end_slope.abs());
@@ -297,7 +297,7 @@ impl<V: Real> Course<V> {
             |c: V| V::select(rising, c, -c),
         );
         let [c0, c1, twice] = [upward(c0), upward(c1), upward(twice)];
-        let slope = (c1 * c1 - (twice + twice) * c0).greater(zero).sqrt();
+        let slope = c1.mul_sub(c1, (twice + twice) * c0).greater(zero).sqrt();
         let sum = c1 + slope;
         let open = zero.less(sum);
         let at = -(c0 + c0) / V::select(open, sum, one);
@@ -311,7 +311,7 @@ impl<V: Real> Course<V> {
             none_sooner: even | (sooner & !later),
             rising,
             at,
-            slope: (c1 + twice * at).greater(doubt),
+            slope: twice.mul_add(at, c1).greater(doubt),
             doubt,
             greatest_slope: c1.abs().greater(end_slope.abs()) + doubt,
             bend: twice.abs(),

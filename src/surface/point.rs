@@ -79,7 +79,7 @@ impl<S: Constant> Patch<S> {
         let spokes = Vector::splat_both(u, self.spokes);
         let tangent = inlined(
             #[inline(always)]
-            |n: usize| spokes[n] + normal * h.parts[n] + inward * out.parts[n],
+            |n: usize| inward.mul_add(out.parts[n], normal.mul_add(h.parts[n], spokes[n])),
         );
         [tangent(0), tangent(1)]
     }

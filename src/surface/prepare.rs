@@ -236,7 +236,7 @@ fn columns<S: Simd>(vector: Vector<Patches<S>>) -> [Column; 3] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{Random, rounded};
+    use super::super::tests::{Random, fuses, rounded};
     use super::*;
 
     fn triangles(random: &mut Random) -> Vec<Corners> {
@@ -277,7 +277,8 @@ mod tests {
             for straight in 0..8 {
                 let flags = (0..3).filter(|k| straight & 1 << k != 0);
                 let flags = flags.fold(PatchFlags::new(surface), PatchFlags::with_straight);
-                for level in [Level::new(), Level::baseline()] {
+                let levels = [Level::new(), Level::baseline()];
+                for level in levels.into_iter().filter(|level| fuses(*level)) {
                     let mut next = 0;
                     Prepared::each_at(level, &triangles, flags, &mut |n, prepared| {
                         assert_eq!(n, next);
@@ -290,7 +291,8 @@ mod tests {
                 }
             }
         }
-        assert!(curved > 30_000, "{curved}");
+        let least = if fuses(Level::new()) { 15_000 } else { 0 };
+        assert!(curved >= least, "{curved}");
     }
 
     #[test]

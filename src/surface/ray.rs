@@ -114,10 +114,14 @@ impl<V: Real> Segment<V> {
         let distance = from.max_abs();
         let alive = interval.alive;
         let entry = V::select(alive, interval.start, ray.tnear);
-        let local = Self::unclipped(patch, from + along * entry, along, entry, ray.tfar);
+        let local = Self::unclipped(patch, along.mul_add(entry, from), along, entry, ray.tfar);
         let epsilons = distance.constant(S::PRECISION * RAY_EPSILONS);
-        let stray_room = distance * epsilons + distance.constant(S::PRECISION * STRAY_EPSILONS);
-        let exit_room = distance * epsilons + distance.constant(S::PRECISION * CLEARANCE_EPSILONS);
+        let stray_room =
+            distance.mul_add(epsilons, distance.constant(S::PRECISION * STRAY_EPSILONS));
+        let exit_room = distance.mul_add(
+            epsilons,
+            distance.constant(S::PRECISION * CLEARANCE_EPSILONS),
+        );
         let entered = ray.tnear.less(interval.start);
         Self {
             length: interval.length,
@@ -159,7 +163,7 @@ impl<V: Real> Segment<V> {
         let coordinates = inlined(
             #[inline(always)]
             |b_m: V, x: V, sum: V| {
-                let b_j = x - foot * b_m;
+                let b_j = x.less_product(foot, b_m);
                 side.placed([sum - b_j - b_m, b_j, b_m])
             },
         );
@@ -294,7 +298,7 @@ impl<V: Real> Segment<V> {
     /// Height over the plane at the segment's parameter.
     #[inline(always)]
     pub(super) fn z(&self, at: V) -> V {
-        self.z + self.z_rate * at
+        self.z_rate.mul_add(at, self.z)
     }
 
     /// Barycentric coordinates of the vertical projection at the segment's parameter.
@@ -302,7 +306,7 @@ impl<V: Real> Segment<V> {
     pub(super) fn projection(&self, at: V) -> [V; 3] {
         three(
             #[inline(always)]
-            |i| self.b[i] + self.b_rate[i] * at,
+            |i| self.b_rate[i].mul_add(at, self.b[i]),
         )
     }
 

@@ -67,16 +67,33 @@ pub trait Arithmetic:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
+    /// `self * factor + term`, of single precision rounded once where the processor has an instruction for it.
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+    /// `self * factor - term`, the same.
+    #[inline(always)]
+    fn mul_sub(self, factor: Self, term: Self) -> Self {
+        self.mul_add(factor, -term)
+    }
+    /// `self - left * right`, the same.
+    #[inline(always)]
+    fn less_product(self, left: Self, right: Self) -> Self {
+        (-left).mul_add(right, self)
+    }
 }
 
-impl<T> Arithmetic for T where
-    T: Copy
-        + Add<Output = T>
-        + Sub<Output = T>
-        + Mul<Output = T>
-        + Div<Output = T>
-        + Neg<Output = T>
-{
+impl Arithmetic for f32 {
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        f32::mul_add(self, factor, term)
+    }
+}
+
+impl Arithmetic for f64 {
+    // What checks single precision need not wait for a library's function.
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        self * factor + term
+    }
 }
 
 /// One value, or one a lane.
@@ -269,7 +286,7 @@ pub(super) fn atan2<V: Real>(y: V, x: V) -> V {
     let [first, rest @ ..] = ARC_TANGENT;
     let mut sum = x.constant(first);
     for c in rest {
-        sum = sum * square + x.constant(c);
+        sum = sum.mul_add(square, x.constant(c));
     }
     let angle = ratio * sum;
     let angle = V::select(ahead.less(aside), x.constant(FRAC_PI_2) - angle, angle);
@@ -290,10 +307,12 @@ pub trait Jet<V: Real>: Arithmetic {
     fn times(self, factor: V) -> Self;
     /// The sum with a constant.
     fn plus(self, term: V) -> Self;
+    /// The product with a constant and a sum.
+    fn times_add(self, factor: V, term: Self) -> Self;
     /// `yes` where the mask holds, `no` elsewhere.
     fn select(mask: V::Mask, yes: Self, no: Self) -> Self;
-    /// The square root; its derivative is zero where the value is.
-    fn sqrt(self) -> Self;
+    /// The sum of three [near roots](Quadratic::near_root), each times its weight.
+    fn near_roots(weights: [Self; 3], of: [Quadratic<Self>; 3]) -> Self;
     /// The angle of the point `(x, self)`; its derivative is zero at the origin.
     fn atan2(self, x: Self) -> Self;
 }
@@ -316,16 +335,68 @@ impl<V: Real> Jet<V> for V {
         self + term
     }
     #[inline(always)]
+    fn times_add(self, factor: V, term: V) -> Self {
+        self.mul_add(factor, term)
+    }
+    #[inline(always)]
     fn select(mask: V::Mask, yes: Self, no: Self) -> Self {
         <V as Real>::select(mask, yes, no)
     }
     #[inline(always)]
-    fn sqrt(self) -> Self {
-        Real::sqrt(self)
+    fn near_roots(weights: [Self; 3], of: [Quadratic<Self>; 3]) -> Self {
+        let like = weights[0];
+        let (zero, one, tiny) = (like.constant(0.0), like.constant(1.0), like.constant(TINY));
+        let parts = three(
+            #[inline(always)]
+            |i| {
+                let divisor = of[i].half_b + of[i].root();
+                let usable = tiny.less(divisor);
+                [
+                    V::select(usable, weights[i] * of[i].c, zero),
+                    V::select(usable, divisor, one),
+                ]
+            },
+        );
+        // One division in place of three.
+        let [[p, a], [q, b], [r, c]] = parts;
+        let sum = p.mul_add(b, q * a).mul_add(c, r * (a * b));
+        sum / (a * b * c)
     }
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
         Real::atan2(self, x)
+    }
+}
+
+/// A divisor below this counts as none: it belongs to a point at a vertex, where what is divided vanishes faster.
+pub(super) const TINY: f64 = 1e-30;
+
+/// `a t^2 - 2 half_b t + c`.
+#[derive(Clone, Copy)]
+pub struct Quadratic<T> {
+    /// Factor of the square.
+    pub a: T,
+    /// Minus half the factor of `t`.
+    pub half_b: T,
+    /// The value at zero.
+    pub c: T,
+}
+
+impl<V: Real> Quadratic<V> {
+    /// Half the distance between the roots, times `a`; zero where there are none.
+    #[inline(always)]
+    pub(super) fn root(&self) -> V {
+        let square = self.half_b.mul_sub(self.half_b, self.a * self.c);
+        square.greater(square.constant(0.0)).sqrt()
+    }
+
+    /// The root that vanishes with `c`.
+    #[inline(always)]
+    pub(super) fn near_root(&self) -> V {
+        let (zero, one) = (self.c.constant(0.0), self.c.constant(1.0));
+        let divisor = self.half_b + self.root();
+        let usable = zero.constant(TINY).less(divisor);
+        V::select(usable, self.c, zero) / V::select(usable, divisor, one)
     }
 }
 

@@ -9,9 +9,9 @@
 //!   curvature, g the guide, d the way from the vertex, o the damped offset over its square. There
 //!   `d.g` is zero, and along the side only o changes. The equation itself says how t does.
 
-use super::height::{Curvature, near_root};
+use super::height::Curvature;
 use super::patch::{Patch, Rule, next};
-use super::real::{Constant, Real, inlined};
+use super::real::{Constant, Quadratic, Real, inlined};
 
 /// The surface at a place on a side.
 pub(super) struct Place<S> {
@@ -228,10 +228,12 @@ impl<'a, S: Constant> Rim<'a, S> {
             }
         };
         let normal_guide = vertex.normal + vertex.inward[k] * side.lean;
-        near_root(
-            curvature.times_distance2 * self.guide2,
-            distance2 * normal_guide + curvature.times_distance2 * (side.lean * side.height),
-            distance2 * curvature.offset * place.factor,
-        )
+        let of = Quadratic {
+            a: curvature.times_distance2 * self.guide2,
+            half_b: distance2 * normal_guide
+                + curvature.times_distance2 * (side.lean * side.height),
+            c: distance2 * curvature.offset * place.factor,
+        };
+        of.near_root()
     }
 }

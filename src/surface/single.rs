@@ -10,7 +10,7 @@ use super::hull::{Interval, Plane, localized};
 use super::kept::{Corners, KeptPatch};
 use super::lanes::Quad;
 use super::ray::Ray;
-use super::real::{Constant, Mask, Real, inlined, three};
+use super::real::{Arithmetic, Constant, Mask, Real, inlined, three};
 use super::vector::{Vector, vector};
 
 /// The bytes of the lanes 1, 2, 0 and 3: each side's next in its place.
@@ -115,7 +115,7 @@ impl<S: Simd> Single<S> {
         } = self.planes;
         let like = offset;
         let value =
-            normal.dot(Vector::splat(like, from)) + (offset + spread * like.splat(distance));
+            normal.dot(Vector::splat(like, from)) + spread.mul_add(like.splat(distance), offset);
         let rate = normal.dot(Vector::splat(like, along));
         let zero = like.constant(0.0);
         let crossing = -(value / rate);
@@ -127,7 +127,7 @@ impl<S: Simd> Single<S> {
         // The plane above has the normal of the one below, turned round.
         let (rise, room) = (numbers(rate)[LAST], numbers(spread)[LAST]);
         let up = self.up();
-        let value = -up.dot(from) + (self.above + room * distance);
+        let value = -up.dot(from) + room.mul_add(distance, self.above);
         let crossing = value / rise;
         let (enters, leaves) = (rise < 0.0, rise > 0.0);
         let mut lo = ray.tnear;

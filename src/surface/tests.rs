@@ -1,12 +1,24 @@
 //! Tests of the kernel as a whole: whole bodies, inverse against forward, bounds, `f32` against
 //! `f64`, first roots against dense sampling.
 
+use fearless_simd::Level;
 use proptest::prelude::*;
 
 use super::ray::Segment;
 use super::*;
 
 pub(super) type V = Vector<f64>;
+
+/// Whether a level rounds a product and a sum once, as numbers alone do: then lanes are numbers alone, bit for
+/// bit.
+pub(super) fn fuses(level: Level) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return level.as_avx2().is_some();
+    #[cfg(target_arch = "aarch64")]
+    return level.as_neon().is_some();
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    return false;
+}
 
 /// splitmix64: random numbers that are the same everywhere.
 pub(super) struct Random(pub u64);

@@ -25,15 +25,25 @@ impl<R: Arithmetic> Vector<R> {
     /// The scalar product.
     #[inline(always)]
     pub fn dot(self, other: Self) -> R {
-        self.x * other.x + self.y * other.y + self.z * other.z
+        let rest = self.y.mul_add(other.y, self.z * other.z);
+        self.x.mul_add(other.x, rest)
+    }
+    /// `self * factor + term`.
+    #[inline(always)]
+    pub fn mul_add(self, factor: R, term: Self) -> Self {
+        vector(
+            self.x.mul_add(factor, term.x),
+            self.y.mul_add(factor, term.y),
+            self.z.mul_add(factor, term.z),
+        )
     }
     /// The vector product.
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         vector(
-            self.y * other.z - self.z * other.y,
-            self.z * other.x - self.x * other.z,
-            self.x * other.y - self.y * other.x,
+            self.y.mul_sub(other.z, self.z * other.y),
+            self.z.mul_sub(other.x, self.x * other.z),
+            self.x.mul_sub(other.y, self.y * other.x),
         )
     }
     /// The components as an array.
