@@ -10,20 +10,43 @@ use crate::surface::KeptPatch;
 /// A triangle where its box's centre is, twice as far from the origin.
 #[derive(Clone, Copy)]
 struct Centre {
-    at: [f32; 3],
+    /// As whole numbers that are ordered like the coordinates: comparing them is a third of the time.
+    at: [u32; 3],
     triangle: u32,
 }
 
 impl Centre {
+    fn new(triangle: u32, bounds: &Bounds) -> Self {
+        Self {
+            at: (bounds.lower + bounds.upper).to_array().map(ordered),
+            triangle,
+        }
+    }
+
     /// Orders centres along an axis; the numbers decide between equal ones, so that the same mesh gives the
-    /// same clusters. One comparison of whole numbers, which is a third of the time.
+    /// same clusters.
     #[inline(always)]
     fn key<const AXIS: usize>(self) -> u64 {
-        let bits = self.at[AXIS].to_bits();
-        // As [`f32::total_cmp`] orders them.
-        let ordered = bits ^ ((bits.cast_signed() >> 31).cast_unsigned() | 1 << 31);
-        u64::from(ordered) << 32 | u64::from(self.triangle)
+        u64::from(self.at[AXIS]) << 32 | u64::from(self.triangle)
     }
+}
+
+const SIGN: u32 = 1 << 31;
+
+/// A whole number for each of the others, ordered as [`f32::total_cmp`] orders those.
+#[inline(always)]
+fn ordered(number: f32) -> u32 {
+    let bits = number.to_bits();
+    bits ^ ((bits.cast_signed() >> 31).cast_unsigned() | SIGN)
+}
+
+/// Whose whole number this is.
+fn number(ordered: u32) -> f32 {
+    f32::from_bits(if ordered & SIGN == 0 {
+        !ordered
+    } else {
+        ordered ^ SIGN
+    })
 }
 
 /// Groups triangles by place, each with its box and what is kept of it. Triangles with an empty box are left
@@ -36,10 +59,7 @@ pub(super) fn group<'a>(
         .into_par_iter()
         .zip(boxes)
         .filter(|(_, bounds)| !bounds.is_empty())
-        .map(|(triangle, bounds)| Centre {
-            at: (bounds.lower + bounds.upper).to_array(),
-            triangle,
-        })
+        .map(|(triangle, bounds)| Centre::new(triangle, bounds))
         .collect();
     split(&mut centres);
     centres
@@ -87,13 +107,14 @@ fn halve<const AXIS: usize>(centres: &mut [Centre], half: usize) {
 
 /// The axis along which centres lie furthest apart.
 fn longest_axis(centres: &[Centre]) -> usize {
-    let first = Vec3::from(centres[0].at);
-    let (lower, upper) = centres
-        .iter()
-        .fold((first, first), |(lower, upper), centre| {
-            let at = Vec3::from(centre.at);
-            (lower.min(at), upper.max(at))
-        });
+    let (mut lower, mut upper) = (centres[0].at, centres[0].at);
+    for centre in centres {
+        for axis in 0..3 {
+            lower[axis] = lower[axis].min(centre.at[axis]);
+            upper[axis] = upper[axis].max(centre.at[axis]);
+        }
+    }
+    let [lower, upper] = [lower, upper].map(|at| Vec3::from(at.map(number)));
     (upper - lower).max_position()
 }
 
@@ -102,6 +123,17 @@ mod tests {
     use super::super::cluster::NONE;
     use super::super::cluster::tests::Triangles;
     use super::*;
+
+    #[test]
+    fn whole_numbers_are_ordered_like_others_and_come_back() {
+        let numbers = [-3e38, -2.0, -1e-40, -0.0, 0.0, 1e-40, 1.5, f32::INFINITY];
+        for pair in numbers.windows(2) {
+            assert!(ordered(pair[0]) < ordered(pair[1]), "{pair:?}");
+        }
+        for at in numbers {
+            assert_eq!(number(ordered(at)).to_bits(), at.to_bits());
+        }
+    }
 
     #[test]
     fn every_triangle_with_a_box_is_in_one_cluster() {

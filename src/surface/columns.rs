@@ -18,6 +18,14 @@ pub(super) const PATCH: usize = 100;
 pub(super) const VERTICES: usize = 18;
 
 impl Corners {
+    /// All numbers, the positions first.
+    #[inline(always)]
+    pub(super) fn numbers(&self) -> [f32; VERTICES] {
+        let mut numbers = [0.0; VERTICES];
+        self.write(&mut numbers);
+        numbers
+    }
+
     /// Writes all numbers, the positions first.
     #[inline(always)]
     pub(super) fn write(&self, to: &mut [f32]) {

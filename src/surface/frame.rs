@@ -1,7 +1,7 @@
 //! A triangle's edges and plane, before anything of its surface: what the clip and the patch share.
 
 use super::choice::Choice;
-use super::real::{Constant, Real, Scalar, three};
+use super::real::{Constant, Real, Scalar, inlined, three};
 use super::vector::Vector;
 
 /// Twice the area over the squared size, below which there is no plane to speak of ...
@@ -12,6 +12,9 @@ pub(super) const SLIVER_AREA: f64 = 1e-4;
 /// does not make up for rounding of the triangle itself, nor for how far along its plane a ray at a
 /// grazing angle is moved by its own.
 pub(super) const THIN: f64 = 1.0 / 32.0;
+
+/// Extents below this have no square.
+const TINY: f64 = 1e-30;
 
 /// A triangle in units of its size, with the first vertex as the origin.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +42,23 @@ impl<S: Constant> Frame<S> {
     pub fn of_sound(positions: &[Vector<S>; 3], normals: &[Vector<S>; 3]) -> Self {
         let edges = edges(positions);
         Self::scaled(positions[0], edges, extent(&edges)).oriented(normals)
+    }
+
+    /// Whether the triangle over these positions, of which this is the frame, is finite and neither degenerate nor
+    /// a sliver: so large as single precision takes it.
+    #[inline(always)]
+    pub fn is_sound(&self, positions: &[Vector<S>; 3]) -> S::Mask {
+        let constant = inlined(
+            #[inline(always)]
+            |value: f64| self.area2.constant(value),
+        );
+        let extent = extent(&edges(positions));
+        let Vector { x, y, z } = positions[0] * constant(0.0);
+        // What is not finite is no number by now, and fails any comparison.
+        constant(TINY).less(extent)
+            & extent.less(constant(f64::from(f32::HUGE)))
+            & (x + y + z).at_most(constant(0.0))
+            & constant(SLIVER_AREA).less(self.area2)
     }
 
     /// All but the winding.
@@ -103,8 +123,7 @@ impl<S: Scalar> Frame<S> {
     pub fn new(positions: &[Vector<S>; 3], normals: &[Vector<S>; 3]) -> Option<Self> {
         let edges = edges(positions);
         let extent = extent(&edges);
-        let tiny = S::from_f64(1e-30);
-        if !(tiny.less(extent) && extent < S::HUGE && positions[0].is_finite()) {
+        if !(S::from_f64(TINY).less(extent) && extent < S::HUGE && positions[0].is_finite()) {
             return None;
         }
         let mut frame = Self::scaled(positions[0], edges, extent);

@@ -1,17 +1,16 @@
 //! Many triangles made into patches at once, one in each SIMD lane: what is kept of them and their
 //! boxes, bit for bit what [`Patch::new`] makes of each alone.
 
-use fearless_simd::{Level, dispatch, f32x8, prelude::*};
+use fearless_simd::{Level, dispatch, prelude::*};
 
-use super::choice::Choice;
+use super::columns::{VERTICES, vertices};
 use super::flags::{BoundsKind, PatchFlags, Surface};
 use super::folds;
-use super::frame::{Frame, SLIVER_AREA};
+use super::frame::Frame;
 use super::kept::Corners;
 use super::lanes::{PATCHES, PatchMask, Patches};
 use super::paraboloid;
 use super::patch::{Patch, PatchKind, Rule};
-use super::real::three;
 use super::record::{Heights, PatchRecord};
 use super::vector::{Vector, vector};
 
@@ -77,17 +76,25 @@ fn each_in_lanes<S: Simd>(simd: S, triangles: &[Corners], flags: PatchFlags, tak
     }
 }
 
-/// A triangle's frame and its normals.
-type Laid = (Frame<f32>, [Vector<f32>; 3]);
-
 /// Makes patches of up to eight triangles; one bit a lane for those that
 /// are curved by the rule that the surface asks for.
 #[inline(always)]
 fn make<S: Simd>(simd: S, group: &[Corners], flags: PatchFlags, made: &mut Made) -> u64 {
-    let Some((mut taken, laid)) = lay(group) else {
+    let mut source = [[0.0; PATCHES]; VERTICES];
+    for lane in 0..PATCHES {
+        // The last one again in lanes that are left.
+        let triangle = &group[lane.min(group.len() - 1)];
+        for (column, number) in source.iter_mut().zip(triangle.numbers()) {
+            column[lane] = number;
+        }
+    }
+    let [positions, normals] = vertices(simd, &source);
+    let frame = Frame::of_sound(&positions, &normals);
+    let PatchMask(sound) = frame.is_sound(&positions);
+    let mut taken = sound.to_bitmask() & (u64::MAX >> (64 - group.len()));
+    if taken == 0 {
         return 0;
-    };
-    let (frame, normals) = in_lanes(simd, &laid);
+    }
     let mut patch = Patch::laid(&frame, &normals, flags);
     if patch.rule == Rule::Angular {
         patch.set_angles();
@@ -126,76 +133,6 @@ fn make<S: Simd>(simd: S, group: &[Corners], flags: PatchFlags, made: &mut Made)
         made.bounds = [columns(lower), columns(upper)];
     }
     taken
-}
-
-/// The frames of the triangles that have a plane, one bit each, and something in the other lanes; none
-/// where no triangle has.
-#[inline(always)]
-fn lay(group: &[Corners]) -> Option<(u64, [Laid; PATCHES])> {
-    let frame = |triangle: &Corners| {
-        let frame = Frame::new(&triangle.positions, &triangle.normals);
-        frame.filter(|frame| frame.area2 >= SLIVER_AREA as f32)
-    };
-    let first = group
-        .iter()
-        .position(|triangle| frame(triangle).is_some())?;
-    let mut laid = [(frame(&group[first])?, group[first].normals); PATCHES];
-    let mut there = 0;
-    for (lane, triangle) in group.iter().enumerate().skip(first) {
-        if let Some(frame) = frame(triangle) {
-            laid[lane] = (frame, triangle.normals);
-            there |= 1 << lane;
-        }
-    }
-    Some((there, laid))
-}
-
-/// A triangle a lane.
-#[inline(always)]
-fn in_lanes<S: Simd>(
-    simd: S,
-    laid: &[Laid; PATCHES],
-) -> (Frame<Patches<S>>, [Vector<Patches<S>>; 3]) {
-    macro_rules! number {
-        ($of:expr) => {{
-            let mut column = [0.0; PATCHES];
-            for (to, from) in column.iter_mut().zip(laid) {
-                *to = $of(from);
-            }
-            Patches(f32x8::from_slice(simd, &column))
-        }};
-    }
-    macro_rules! vector {
-        ($of:expr) => {
-            vector(
-                number!(|laid: &Laid| $of(laid).x),
-                number!(|laid: &Laid| $of(laid).y),
-                number!(|laid: &Laid| $of(laid).z),
-            )
-        };
-    }
-    let frame = Frame {
-        origin: vector!(|(frame, _): &Laid| frame.origin),
-        size: number!(|(frame, _): &Laid| frame.size),
-        edges: three(
-            #[inline(always)]
-            |k| vector!(|(frame, _): &Laid| frame.edges[k]),
-        ),
-        lengths2: three(
-            #[inline(always)]
-            |k| number!(|(frame, _): &Laid| frame.lengths2[k]),
-        ),
-        // Only rays ask for it.
-        longest: Choice::only(number!(|(frame, _): &Laid| frame.area2), 0),
-        cross: vector!(|(frame, _): &Laid| frame.cross),
-        area2: number!(|(frame, _): &Laid| frame.area2),
-        winding: number!(|(frame, _): &Laid| frame.winding),
-    };
-    let normals = three(
-        #[inline(always)]
-        |i| vector!(|(_, normals): &Laid| normals[i]),
-    );
-    (frame, normals)
 }
 
 /// A number a lane.
