@@ -164,6 +164,8 @@ pub struct BuildTimes {
     pub prepare: f64,
     /// To build Embree's tree.
     pub build: f64,
+    /// Both over the baseline's, which was made in turns with it: the median of the pairs.
+    pub over_flat: f64,
 }
 
 impl BuildTimes {
@@ -189,7 +191,7 @@ pub struct Built {
 }
 
 /// Builds are repeated up to so often ...
-const BUILDS: usize = 5;
+const BUILDS: usize = 15;
 /// ... as long as they take no longer than this together.
 const ENOUGH: Duration = Duration::from_millis(600);
 
@@ -234,18 +236,29 @@ impl Form {
         }
     }
 
-    /// Makes it of a mesh, a few times for its times.
+    /// Makes it of a mesh, a few times for its times, in turns with the baseline.
     pub(super) fn build(&self, mesh: &Arc<Mesh>, parts: u32, clock: Clock) -> Result<Built, Error> {
         let start = Instant::now();
+        let flat = Self::Flat { robust: false };
         let mut times = Vec::new();
         loop {
+            let beside = if *self == flat {
+                None
+            } else {
+                Some(flat.build_once(mesh, 1, clock)?.times)
+            };
             let built = self.build_once(mesh, parts, clock)?;
-            times.push(built.times);
+            let own = built.times;
+            times.push(BuildTimes {
+                over_flat: beside.map_or(1.0, |flat| own.total() / flat.total()),
+                ..own
+            });
             if times.len() == BUILDS || start.elapsed() > ENOUGH {
                 let of = |part: fn(&BuildTimes) -> f64| median(times.iter().map(part));
                 let times = BuildTimes {
                     prepare: of(|times| times.prepare),
                     build: of(|times| times.build),
+                    over_flat: of(|times| times.over_flat),
                 };
                 return Ok(Built { times, ..built });
             }
@@ -373,6 +386,7 @@ impl<'a> Making<'a> {
             times: BuildTimes {
                 prepare: self.prepare,
                 build,
+                over_flat: 1.0,
             },
         })
     }

@@ -111,8 +111,7 @@ pub fn goals(reports: &[MeshReport], torus: Option<&TorusBytes>) -> Vec<Goal> {
             at_torus(|t| t.grids),
         ),
         goal("build time: smooth over flat", [2.0, 1.3], &|mesh| {
-            let time = |form| Some(mesh.form(form)?.times.total());
-            Some(time(DEFAULT)? / time(BASELINE)?)
+            Some(mesh.form(DEFAULT)?.times.over_flat)
         }),
         goal(
             "evaluations a call: finish over the best ITA at equal misses",
