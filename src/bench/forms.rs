@@ -86,7 +86,7 @@ pub fn forms() -> Vec<NamedForm> {
         bounds: BoundsKind::Sphere,
         ..triangles
     };
-    add(BASELINE, Form::Flat { robust: false });
+    add(BASELINE, Form::BASELINE);
     add("flat-robust", Form::Flat { robust: true });
     add(DEFAULT, curved(plain));
     add("smooth-leaf4", with(plain, SMALL_LEAVES, false));
@@ -204,6 +204,9 @@ mod need {
 }
 
 impl Form {
+    /// The one that the others are compared with.
+    pub(super) const BASELINE: Self = Self::Flat { robust: false };
+
     /// The bytes that are needed to make it, roughly.
     pub(super) fn need(&self, mesh: &Mesh, parts: u32) -> u64 {
         let triangles = mesh.triangles().len() as u64;
@@ -239,20 +242,14 @@ impl Form {
     /// Makes it of a mesh, a few times for its times, in turns with the baseline.
     pub(super) fn build(&self, mesh: &Arc<Mesh>, parts: u32, clock: Clock) -> Result<Built, Error> {
         let start = Instant::now();
-        let flat = Self::Flat { robust: false };
         let mut times = Vec::new();
         loop {
-            let beside = if *self == flat {
-                None
-            } else {
-                Some(flat.build_once(mesh, 1, clock)?.times)
-            };
-            let built = self.build_once(mesh, parts, clock)?;
-            let own = built.times;
-            times.push(BuildTimes {
-                over_flat: beside.map_or(1.0, |flat| own.total() / flat.total()),
-                ..own
-            });
+            let mut built = self.build_once(mesh, parts, clock)?;
+            if *self != Self::BASELINE {
+                let flat = Self::BASELINE.build_once(mesh, 1, clock)?.times;
+                built.times.over_flat = built.times.total() / flat.total();
+            }
+            times.push(built.times);
             if times.len() == BUILDS || start.elapsed() > ENOUGH {
                 let of = |part: fn(&BuildTimes) -> f64| median(times.iter().map(part));
                 let times = BuildTimes {

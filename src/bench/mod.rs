@@ -202,8 +202,7 @@ impl<'a> Bench<'a> {
 
     /// Builds and measures the form that the others are compared with.
     fn baseline(&self) -> Result<(Scene, FormReport), Error> {
-        let form = Form::Flat { robust: false };
-        let built = form.build(&self.mesh, 1, self.options.clock)?;
+        let built = Form::BASELINE.build(&self.mesh, 1, self.options.clock)?;
         let mut report = FormReport::new(BASELINE, &built);
         for rays in &self.rays {
             for pool in &self.pools {

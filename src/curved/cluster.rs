@@ -12,7 +12,7 @@ use glam::Vec3;
 
 use crate::embree::Bounds;
 use crate::surface::{
-    KeptPatch, PATCHES, PatchMask, Patches, Reach, Real, Vector, inlined, vector,
+    KeptPatch, PATCHES, PatchMask, Patches, Reach, Real, Vector, in_columns, inlined, vector,
 };
 
 /// Most triangles of a cluster.
@@ -247,14 +247,10 @@ impl<S: Simd> Shapes<S> {
         let corners = inlined(
             #[inline(always)]
             |corner: fn(&Bounds) -> Vec3| {
-                let mut columns = [[0.0; SIZE]; 3];
-                for n in 0..SIZE {
-                    for (column, number) in
-                        columns.iter_mut().zip(corner(&member(n).bounds).to_array())
-                    {
-                        column[n] = number;
-                    }
-                }
+                let columns = in_columns(
+                    #[inline(always)]
+                    |n| corner(&member(n).bounds).to_array(),
+                );
                 let number = inlined(
                     #[inline(always)]
                     |axis: usize| Patches(f32x8::from_slice(simd, &columns[axis])),

@@ -2,7 +2,7 @@
 
 use fearless_simd::{Level, dispatch, f32x8, mask32x8, prelude::*};
 
-use super::columns::{Column, HULL, PATCH, Pick, Store, VERTICES, vertices};
+use super::columns::{Column, HULL, PATCH, Pick, Store, VERTICES, in_columns, vertices};
 use super::flags::{BoundsKind, PatchFlags, Surface};
 use super::frame::Frame;
 use super::hull::Hull;
@@ -101,20 +101,12 @@ impl PatchBlock {
             return;
         };
         let flags = first.record().flags();
+        debug_assert!(all.iter().flatten().all(KeptPatch::fits_block));
         // Something sound in the other lanes.
-        let mut columns = [[0.0; PATCHES]; SOURCE];
-        for (column, number) in columns.iter_mut().zip(first.source()) {
-            *column = [number; PATCHES];
-        }
-        for (n, kept) in all.iter().enumerate() {
-            let Some(kept) = kept else {
-                continue;
-            };
-            debug_assert!(kept.fits_block());
-            for (column, number) in columns.iter_mut().zip(kept.source()) {
-                column[n] = number;
-            }
-        }
+        let columns = in_columns(
+            #[inline(always)]
+            |n| all[n].as_ref().unwrap_or(first).source(),
+        );
         dispatch!(level, simd => self.lay_columns(simd, which, flags, &columns));
     }
 

@@ -36,6 +36,18 @@ impl Corners {
     }
 }
 
+/// The numbers of eight triangles side by side: a column of each number.
+#[inline(always)]
+pub(crate) fn in_columns<const N: usize>(of: impl Fn(usize) -> [f32; N]) -> [[f32; PATCHES]; N] {
+    let mut columns = [[0.0; PATCHES]; N];
+    for n in 0..PATCHES {
+        for (column, number) in columns.iter_mut().zip(of(n)) {
+            column[n] = number;
+        }
+    }
+    columns
+}
+
 /// The positions and the normals of eight triangles, whose [`VERTICES`] numbers are in columns.
 #[inline(always)]
 pub(super) fn vertices<S: Simd>(

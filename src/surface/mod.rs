@@ -60,6 +60,7 @@ mod packet_tests;
 mod tests;
 
 pub use block::PatchBlock;
+pub(crate) use columns::in_columns;
 pub use dual::Dual;
 pub use finish::MAX_PARTS;
 pub use flags::{BoundsKind, PatchFlags, Surface};

@@ -3,7 +3,7 @@
 
 use fearless_simd::{Level, dispatch, prelude::*};
 
-use super::columns::{VERTICES, vertices};
+use super::columns::{in_columns, vertices};
 use super::flags::{BoundsKind, PatchFlags, Surface};
 use super::folds;
 use super::frame::Frame;
@@ -80,15 +80,12 @@ fn each_in_lanes<S: Simd>(simd: S, triangles: &[Corners], flags: PatchFlags, tak
 /// are curved by the rule that the surface asks for.
 #[inline(always)]
 fn make<S: Simd>(simd: S, group: &[Corners], flags: PatchFlags, made: &mut Made) -> u64 {
-    let mut source = [[0.0; PATCHES]; VERTICES];
-    for lane in 0..PATCHES {
-        // The last one again in lanes that are left.
-        let triangle = &group[lane.min(group.len() - 1)];
-        for (column, number) in source.iter_mut().zip(triangle.numbers()) {
-            column[lane] = number;
-        }
-    }
-    let [positions, normals] = vertices(simd, &source);
+    // The last one again in lanes that are left.
+    let columns = in_columns(
+        #[inline(always)]
+        |lane| group[lane.min(group.len() - 1)].numbers(),
+    );
+    let [positions, normals] = vertices(simd, &columns);
     let frame = Frame::of_sound(&positions, &normals);
     let PatchMask(sound) = frame.is_sound(&positions);
     let mut taken = sound.to_bitmask() & (u64::MAX >> (64 - group.len()));
@@ -130,7 +127,7 @@ fn make<S: Simd>(simd: S, group: &[Corners], flags: PatchFlags, made: &mut Made)
             || patch.unevenness(&normals).numbers(),
         );
         let [lower, upper] = patch.tight_box(Some(&net));
-        made.bounds = [columns(lower), columns(upper)];
+        made.bounds = [corner(lower), corner(upper)];
     }
     taken
 }
@@ -167,7 +164,7 @@ impl Made {
 }
 
 #[inline(always)]
-fn columns<S: Simd>(vector: Vector<Patches<S>>) -> [Column; 3] {
+fn corner<S: Simd>(vector: Vector<Patches<S>>) -> [Column; 3] {
     [vector.x.numbers(), vector.y.numbers(), vector.z.numbers()]
 }
 
@@ -205,31 +202,42 @@ mod tests {
         format!("{:?} {corners:?}", prepared.record)
     }
 
+    /// Whether they are the same but for rounding.
+    fn is_near(one: &Prepared, other: &Prepared) -> bool {
+        let ends = |prepared: &Prepared| prepared.bounds.map(Vector::to_array).concat();
+        let near = |(a, b): (f32, f32)| a.to_bits() == b.to_bits() || (a - b).abs() < 1e-5;
+        one.record.kind() == other.record.kind() && ends(one).into_iter().zip(ends(other)).all(near)
+    }
+
     #[test]
     fn lanes_make_what_is_made_alone() {
         let mut random = Random(31);
         let triangles = triangles(&mut random);
-        let mut curved = 0;
+        let (mut curved, mut apart) = (0, 0);
         for surface in Surface::ALL {
             for straight in 0..8 {
                 let flags = (0..3).filter(|k| straight & 1 << k != 0);
                 let flags = flags.fold(PatchFlags::new(surface), PatchFlags::with_straight);
-                let levels = [Level::new(), Level::baseline()];
-                for level in levels.into_iter().filter(|level| fuses(*level)) {
+                for level in [Level::new(), Level::baseline()] {
                     let mut next = 0;
                     Prepared::each_at(level, &triangles, flags, &mut |n, prepared| {
                         assert_eq!(n, next);
                         next += 1;
                         let alone = Prepared::new(&triangles[n], flags);
-                        assert_eq!(bits(&prepared), bits(&alone), "{:?}", triangles[n]);
+                        if fuses(level) {
+                            assert_eq!(bits(&prepared), bits(&alone), "{:?}", triangles[n]);
+                        } else {
+                            apart += u32::from(!is_near(&prepared, &alone));
+                        }
                         curved += u32::from(prepared.record.kind() == PatchKind::Curved);
                     });
                     assert_eq!(next, triangles.len());
                 }
             }
         }
-        let least = if fuses(Level::new()) { 15_000 } else { 0 };
-        assert!(curved >= least, "{curved}");
+        println!("{apart} apart where lanes round twice");
+        assert!(curved > 30_000, "{curved}");
+        assert!(apart * 500 < curved, "{apart} of {curved}");
     }
 
     #[test]

@@ -2,10 +2,10 @@
 
 use fearless_simd::{f32x8, prelude::*};
 
-use super::columns::{VERTICES, vertices};
+use super::columns::{VERTICES, in_columns, vertices};
 use super::frame::Frame;
 use super::kept::KeptPatch;
-use super::lanes::{PATCHES, Patches};
+use super::lanes::Patches;
 use super::real::{Constant, inlined, three};
 use super::vector::{Vector, vector};
 
@@ -126,12 +126,10 @@ impl<S: Simd> Reach<Patches<S>> {
     /// Of eight triangles, none without area, one a lane.
     #[inline(always)]
     pub(crate) fn of_patches<'a>(simd: S, of: impl Fn(usize) -> KeptPatch<'a>) -> Self {
-        let mut columns = [[0.0; PATCHES]; SOURCE];
-        for n in 0..PATCHES {
-            for (column, number) in columns.iter_mut().zip(of(n).reach_source()) {
-                column[n] = number;
-            }
-        }
+        let columns = in_columns(
+            #[inline(always)]
+            |n| of(n).reach_source(),
+        );
         let number = inlined(
             #[inline(always)]
             |n: usize| Patches(f32x8::from_slice(simd, &columns[n])),

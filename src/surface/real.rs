@@ -344,17 +344,11 @@ impl<V: Real> Jet<V> for V {
     }
     #[inline(always)]
     fn near_roots(weights: [Self; 3], of: [Quadratic<Self>; 3]) -> Self {
-        let like = weights[0];
-        let (zero, one, tiny) = (like.constant(0.0), like.constant(1.0), like.constant(TINY));
         let parts = three(
             #[inline(always)]
             |i| {
-                let divisor = of[i].half_b + of[i].root();
-                let usable = tiny.less(divisor);
-                [
-                    V::select(usable, weights[i] * of[i].c, zero),
-                    V::select(usable, divisor, one),
-                ]
+                let [dividend, divisor] = of[i].fraction();
+                [weights[i] * dividend, divisor]
             },
         );
         // One division in place of three.
@@ -393,10 +387,20 @@ impl<V: Real> Quadratic<V> {
     /// The root that vanishes with `c`.
     #[inline(always)]
     pub(super) fn near_root(&self) -> V {
+        let [dividend, divisor] = self.fraction();
+        dividend / divisor
+    }
+
+    /// What it is the quotient of.
+    #[inline(always)]
+    fn fraction(&self) -> [V; 2] {
         let (zero, one) = (self.c.constant(0.0), self.c.constant(1.0));
         let divisor = self.half_b + self.root();
         let usable = zero.constant(TINY).less(divisor);
-        V::select(usable, self.c, zero) / V::select(usable, divisor, one)
+        [
+            V::select(usable, self.c, zero),
+            V::select(usable, divisor, one),
+        ]
     }
 }
 
