@@ -112,7 +112,7 @@ cat <<EOF
 # Where the time goes
 
 Written by \`ci/profile.sh\`: samples of \`curvetri bench\` on one thread of
-$(sed -n '/^model name/{s/.*: //p;q}' /proc/cpuinfo). What stands in the way of more is in ARCHITECTURE.md.
+$(sed -n '/^model name/{s/.*: //p;q}' /proc/cpuinfo). What limits the speed is in experiments.md.
 EOF
 profile primary 16c 10000
 profile primary 16c 1000000
