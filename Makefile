@@ -16,7 +16,7 @@ demo: setup
 	@CARGO='$(CARGO)' ci/demo.sh '$(OUT)'
 
 test: setup
-	$(CARGO) test --locked
+	$(CARGO) test --locked --workspace
 
 clean:
 	$(CARGO) clean

@@ -6,11 +6,11 @@
 
 use std::sync::Arc;
 
-use curvetri::bodies::bumpy_torus;
 use curvetri::curved::{CurvedMesh, CurvedOptions};
 use curvetri::embree::{Device, Geometry, GeometryBuilder, SceneBuilder};
 use curvetri::mesh::{Mesh, Topology};
-use curvetri::surface::{Corners, PatchFlags, Prepared, Vector};
+use curvetri::method::{Corners, PatchFlags, Prepared, Vector};
+use curvetri_bodies::bumpy_torus;
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use rand::{SeedableRng, rngs::SmallRng, seq::SliceRandom};

@@ -2,7 +2,7 @@
 # Runs the tests of the Embree wrapper and of the callbacks on it under AddressSanitizer, the C shim and
 # leaks included. A report ends it with an error.
 #
-#   ci/asan.sh              embree:: and curved::
+#   ci/asan.sh              the wrapper and the curved geometry
 #   ci/asan.sh --contract   also packets, filters, instances and all hits of whole bodies: much slower
 #
 # ASAN_TARGET   cargo's target directory   (default: target-asan in the checkout)
@@ -55,5 +55,5 @@ else
     # Little of it is arithmetic, so that compiling costs more than running. Nothing being inlined, each
     # operation on lanes has a frame with room around it: more than a test's thread has by default.
     RUST_MIN_STACK=$((256 << 20)) cargo test --locked --target "$host" "${profile[@]}" \
-        --config profile.test.opt-level=0 --no-default-features "${tests[@]}" -- embree:: curved::
+        --config profile.test.opt-level=0 --package curvetri-embree --package curvetri "${tests[@]}"
 fi

@@ -4,13 +4,13 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-messages=$(cargo check --locked --lib --no-default-features --features bindgen --message-format=json)
-out=$(grep '"reason":"build-script-executed"' <<<"$messages" | grep '[/#]curvetri[@#]' |
+messages=$(cargo check --locked --package curvetri-embree --features bindgen --message-format=json)
+out=$(grep '"reason":"build-script-executed"' <<<"$messages" | grep '[/#]curvetri-embree[@#]\|wrapper/embree#' |
     sed -n 's/.*"out_dir":"\([^"]*\)".*/\1/p')
 new=$out/bindings.rs
 [ -s "$new" ] || { echo "ci/bindings.sh: no bindings were generated" >&2; exit 1; }
 major=$(sed -n 's/.*RTC_VERSION_MAJOR: u32 = \([0-9]*\).*/\1/p' "$new")
-committed=src/embree/bindings_$major.rs
+committed=wrapper/embree/src/bindings_$major.rs
 
 if [ "${1:-}" = --write ]; then
     cp "$new" "$committed"

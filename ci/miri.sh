@@ -18,5 +18,5 @@ export DOCS_RS=1
 export CARGO_TARGET_DIR=${MIRI_TARGET:-$PWD/target-miri}
 export MIRIFLAGS="-Zmiri-disable-isolation ${MIRIFLAGS:-}"
 export PROPTEST_CASES=${PROPTEST_CASES:-4}
-[ $# -gt 0 ] || set -- surface:: mesh:: bodies::splitmix embree::ray embree::bounds render::camera
-cargo +nightly miri test --locked --lib --no-default-features -- "$@"
+[ $# -gt 0 ] || set -- --package curvetri-method --package curvetri-mesh --package curvetri-bodies
+cargo +nightly miri test --locked --lib "$@"

@@ -5,7 +5,7 @@ mod support;
 
 use curvetri::curved::{CurvedMesh, CurvedOptions, Primitives};
 use curvetri::embree::{Bounds, UserGeometry};
-use curvetri::surface::{BoundsKind, Surface};
+use curvetri::method::{BoundsKind, Surface};
 use glam::Vec3;
 use support::{Body, Random};
 

@@ -5,10 +5,9 @@ mod support;
 
 use std::sync::Arc;
 
-use curvetri::bodies;
 use curvetri::curved::{CurvedMesh, CurvedOptions};
 use curvetri::mesh::{LoadOptions, Mesh, NormalsPolicy, RawMesh};
-use curvetri::surface::Surface;
+use curvetri::method::Surface;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use support::{Body, Random};
@@ -159,7 +158,7 @@ fn check(name: &str, fine: &Mesh) {
 #[test]
 fn simplified_made_parts_are_no_worse_than_flat() {
     for (name, height) in [("cylinder", 1.5), ("long cylinder", 3.0)] {
-        let fine = bodies::capped_cylinder(192, height);
+        let fine = curvetri_bodies::capped_cylinder(192, height);
         check(name, &fine);
     }
 }

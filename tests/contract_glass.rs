@@ -2,11 +2,11 @@
 
 mod support;
 
-use curvetri::bodies::Body;
 use curvetri::curved::CurvedOptions;
 use curvetri::embree::{Device, Ray};
+use curvetri::method::Surface;
 use curvetri::render::{Form, Scene};
-use curvetri::surface::Surface;
+use curvetri_bodies::Body;
 use glam::DVec3;
 use support::Random;
 

@@ -5,7 +5,7 @@ mod support;
 
 use contract::*;
 use curvetri::embree::{Device, QueryOptions, Ray};
-use curvetri::surface::BoundsKind;
+use curvetri::method::BoundsKind;
 use glam::DVec3;
 
 #[test]

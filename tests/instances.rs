@@ -1,13 +1,13 @@
 //! Instances in scenes: hits, normals, and rays that leave from them, against the same meshes put into
 //! the scene themselves.
 
-use curvetri::bodies::Body;
 use curvetri::curved::CurvedOptions;
 use curvetri::embree::{Device, Hit, QueryOptions, Ray};
 use curvetri::mesh::{Mesh, Parts, Placement};
 use curvetri::render::{
     Form, PacketWidth, Scene, UserRay, UserRays, answer_all_hits, answer_occluded, answer_rays,
 };
+use curvetri_bodies::Body;
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};

@@ -1,6 +1,5 @@
 //! The integrators against each other, and against what is known.
 
-use curvetri::bodies::Body;
 use curvetri::curved::CurvedOptions;
 use curvetri::embree::Device;
 use curvetri::mesh::Mesh;
@@ -8,6 +7,7 @@ use curvetri::render::{
     Camera, Crop, Film, Form, Ground, Integrator, Lighting, Material, Picture, Scene, Sky,
     SphereLight, UpAxis, render,
 };
+use curvetri_bodies::Body;
 use glam::{DVec3, Vec3, Vec4};
 
 const DIRECT: Integrator = Integrator::Direct { sky_shadows: false };

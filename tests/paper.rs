@@ -4,7 +4,7 @@ mod support;
 
 use curvetri::curved::{CurvedOptions, Primitives};
 use curvetri::embree::Ray;
-use curvetri::surface::{BoundsKind, Solver, Surface};
+use curvetri::method::{BoundsKind, Solver, Surface};
 use support::{Random, Tally, first_hit};
 
 /// Share of rays whose hits may differ.

@@ -5,7 +5,7 @@ mod support;
 use std::cell::OnceCell;
 
 use curvetri::embree::Ray;
-use curvetri::surface::{Patch, Vector};
+use curvetri::method::{Patch, Vector};
 use glam::Vec3;
 use support::{Body, Random, Traced, first_hit};
 

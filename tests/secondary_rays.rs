@@ -4,8 +4,8 @@
 use curvetri::curved::CurvedOptions;
 use curvetri::embree::{Device, Hit, QueryOptions, Ray, RayPacket};
 use curvetri::mesh::Mesh;
+use curvetri::method::{Solver, Surface};
 use curvetri::render::{Form, Scene};
-use curvetri::surface::{Solver, Surface};
 use glam::{DVec3, Vec3};
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};

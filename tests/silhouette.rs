@@ -2,11 +2,11 @@
 
 #![cfg(feature = "compare")]
 
-use curvetri::bodies::Body;
 use curvetri::compare::Outline;
 use curvetri::curved::CurvedOptions;
 use curvetri::embree::Device;
 use curvetri::render::{Camera, Film, Form, Picture, Scene, UpAxis, render};
+use curvetri_bodies::Body;
 use glam::{DVec2, DVec3, Vec2};
 
 /// Pixels a side of the picture; the torus nearly fills it.

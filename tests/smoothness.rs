@@ -3,7 +3,7 @@
 mod support;
 
 use curvetri::mesh::{SideKind, Topology};
-use curvetri::surface::Surface;
+use curvetri::method::Surface;
 use glam::Vec3;
 use support::{Body, Traced};
 

@@ -1,13 +1,12 @@
 //! The shadow terminator: flat triangles that are lit by interpolated normals darken pixels that the
 //! sun shines on. `scenes/terminator.obj` shows it.
 
-use curvetri::bodies;
 use curvetri::curved::CurvedOptions;
 use curvetri::embree::Device;
+use curvetri::method::Surface;
 use curvetri::render::{
     Aovs, Camera, Film, Form, Lighting, Picture, Scene, Shading, Sky, UpAxis, aovs, render,
 };
-use curvetri::surface::Surface;
 use glam::{DVec3, Vec3};
 
 /// A sun from the side, low.
@@ -39,7 +38,12 @@ fn picture() -> Picture {
 
 /// A form's picture and normals.
 fn seen(form: Form) -> (Film, Aovs) {
-    let scene = Scene::new(&Device::new().unwrap(), vec![bodies::terminator()], form).unwrap();
+    let scene = Scene::new(
+        &Device::new().unwrap(),
+        vec![curvetri_bodies::terminator()],
+        form,
+    )
+    .unwrap();
     let film = render(&scene, &picture(), &|_, _| ()).unwrap().0;
     (film, aovs(&scene, &picture()).unwrap())
 }

@@ -2,9 +2,8 @@
 
 mod support;
 
-use curvetri::bodies;
 use curvetri::curved::{CurvedMesh, CurvedOptions};
-use curvetri::surface::PatchKind;
+use curvetri::method::PatchKind;
 use support::{Body, Random, first_hit, lost_rays};
 
 fn options(tolerance: f32) -> CurvedOptions {
@@ -38,8 +37,8 @@ fn median_height(curved: &CurvedMesh) -> f32 {
 #[test]
 fn the_caps_of_a_cylinder_are_flat_and_its_wall_is_not() {
     let segments = 16;
-    let traced =
-        body("cylinder", bodies::capped_cylinder(segments, 1.5)).traced_with(&options(0.0));
+    let traced = body("cylinder", curvetri_bodies::capped_cylinder(segments, 1.5))
+        .traced_with(&options(0.0));
     let kinds = traced.curved.kinds();
     assert!(kinds.flat_plane >= 2 * (segments - 2), "{kinds:?}");
     assert!(kinds.curved >= 2 * segments, "{kinds:?}");
@@ -70,7 +69,7 @@ fn no_ray_is_lost_where_some_triangles_are_flat_by_tolerance() {
 
 #[test]
 fn what_is_hit_is_as_near_as_the_tolerance() {
-    let body = body("bumpy torus", bodies::bumpy_torus(5_000));
+    let body = body("bumpy torus", curvetri_bodies::bumpy_torus(5_000));
     let exact = body.traced_with(&options(0.0));
     let tolerance = median_height(&exact.curved);
     let flattened = body.traced_with(&options(tolerance));
@@ -106,7 +105,7 @@ fn what_is_hit_is_as_near_as_the_tolerance() {
 
 #[test]
 fn all_is_flat_within_a_great_tolerance() {
-    let body = body("torus", bodies::Body::torus(12, 16).mesh());
+    let body = body("torus", curvetri_bodies::Body::torus(12, 16).mesh());
     let traced = body.traced_with(&options(f32::INFINITY));
     let kinds = traced.curved.kinds();
     assert_eq!(

@@ -5,9 +5,8 @@ mod support;
 
 use std::sync::Arc;
 
-use curvetri::bodies;
 use curvetri::curved::{CurvedOptions, FlatTriangles};
-use curvetri::surface::PatchKind;
+use curvetri::method::PatchKind;
 use rayon::prelude::*;
 use support::{Body, lost_rays, lost_rays_towards};
 
@@ -47,7 +46,7 @@ fn no_ray_from_inside_is_lost() {
 fn none_is_lost_between_curved_triangles_and_flat_ones_that_are_apart() {
     let made = |segments| Body {
         name: format!("cylinder of {segments}"),
-        mesh: Arc::new(bodies::capped_cylinder(segments, 1.5)),
+        mesh: Arc::new(curvetri_bodies::capped_cylinder(segments, 1.5)),
     };
     let mut bodies: Vec<Body> = [5, 16, 64].map(made).into();
     bodies.extend(support::real_meshes(&["cad_feature.stl"]));

@@ -9,7 +9,7 @@ use curvetri::embree::{
     Traced, Width,
 };
 use curvetri::mesh::{LoadOptions, Mesh, NormalsPolicy, RawMesh, Topology};
-use curvetri::surface::{BoundsKind, Solver, Surface};
+use curvetri::method::{BoundsKind, Solver, Surface};
 use glam::{DVec3, Vec3};
 
 /// How far outside its triangle a hit's foot may lie, in barycentric coordinates.
@@ -233,7 +233,7 @@ fn is_sharp(ray: &Ray, mesh: &Mesh) -> bool {
 /// does not. The rim by which neighbours overlap reaches out of the box a little; what is not in the rim is
 /// surely in the box where the surface was checked.
 fn leaves_a_box(curved: &CurvedMesh, ray: &Ray, options: &Options) -> bool {
-    let kernel_ray = curvetri::surface::Ray {
+    let kernel_ray = curvetri::method::Ray {
         origin: ray.origin.into(),
         direction: ray.direction.into(),
         tnear: ray.tnear,

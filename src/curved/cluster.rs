@@ -11,7 +11,7 @@ use fearless_simd::{Level, dispatch, f32x8, prelude::*};
 use glam::Vec3;
 
 use crate::embree::Bounds;
-use crate::surface::{
+use crate::method::{
     KeptPatch, PATCHES, PatchMask, Patches, Reach, Real, Vector, in_columns, inlined, vector,
 };
 
@@ -348,7 +348,7 @@ fn cut_off<S: Simd>(
 pub(super) mod tests {
     use super::super::clusters::group;
     use super::*;
-    use crate::surface::{Corners, KeptPatch, PatchFlags, PatchRecord, Prepared};
+    use crate::method::{Corners, KeptPatch, PatchFlags, PatchRecord, Prepared};
     use glam::vec3;
     use rand::{Rng, SeedableRng, rngs::SmallRng};
 

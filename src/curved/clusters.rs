@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::cluster::{Cluster, Member, SIZE};
 use crate::embree::Bounds;
-use crate::surface::KeptPatch;
+use crate::method::KeptPatch;
 
 /// A triangle where its box's centre is, twice as far from the origin.
 #[derive(Clone, Copy)]

@@ -4,7 +4,7 @@ use fearless_simd::{Level, dispatch, f32x4, f32x8, prelude::*, u32x8};
 
 use super::cluster::{Cluster, DIRECTIONS, NONE, SIZE};
 use crate::embree::Ray;
-use crate::surface::{
+use crate::method::{
     Lanes, MAX_LANES, Quad, RayLanes, Real, Vector, inlined, load_lanes, three, vector,
 };
 

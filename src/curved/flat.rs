@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::prepare::PreparedMesh;
 use super::{CurvedMesh, Kinds};
 use crate::embree::{Bounds, Device, Error, Geometry, GeometryBuilder};
-use crate::surface::{FlatReason, PatchKind, PatchRecord};
+use crate::method::{FlatReason, PatchKind, PatchRecord};
 
 /// Who traces the triangles that stay flat.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

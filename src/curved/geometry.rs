@@ -7,7 +7,7 @@ use super::cluster::{Cluster, SIZE};
 use super::counters::{count, count_callback};
 use super::laid::Laid;
 use crate::embree::{Bounds, IntersectQuery, OccludedQuery, QueryRays, SurfaceHit, UserGeometry};
-use crate::surface::{HitLanes, KeptPatch, PatchBlock, Ray, RayLanes, Real, Solver};
+use crate::method::{HitLanes, KeptPatch, PatchBlock, Ray, RayLanes, Real, Solver};
 
 impl UserGeometry for CurvedMesh {
     fn primitives(&self) -> u32 {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::{CurvedMesh, CurvedOptions, Kinds, Spheres};
 use crate::embree::UserGeometry;
 use crate::mesh::{Bounds, LoadReport, Loaded, Mesh, Topology, TopologyCounts, t_junctions};
-use crate::surface::{Patch, PatchKind};
+use crate::method::{Patch, PatchKind};
 
 /// Bytes of Embree's tree for each curved triangle: up to 109 with Embree 3.13.
 const TREE_BYTES: u64 = 109;

@@ -2,7 +2,7 @@
 
 use std::ops::Add;
 
-use crate::surface::{FlatReason, PatchKind};
+use crate::method::{FlatReason, PatchKind};
 
 /// Triangles by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

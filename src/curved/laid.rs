@@ -3,7 +3,7 @@
 
 use std::cell::RefCell;
 
-use crate::surface::{PairHits, PatchBlock};
+use crate::method::{PairHits, PatchBlock};
 
 /// How many clusters a thread keeps, about 4 kB each: as many as its processor's own cache holds.
 const SLOTS: usize = 128;

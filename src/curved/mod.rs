@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::embree::Bounds;
 use crate::mesh::{Mesh, Topology, TopologyCounts};
-use crate::surface::{
+use crate::method::{
     BoundsKind, Corners, KeptPatch, Patch, PatchKind, PatchRecord, Solver, Surface, Vector,
 };
 

@@ -8,7 +8,7 @@ use super::spheres::Spheres;
 use super::{CurvedOptions, corners, kept};
 use crate::embree::Bounds;
 use crate::mesh::{Mesh, Topology};
-use crate::surface::{BoundsKind, PatchFlags, PatchKind, PatchRecord, Prepared};
+use crate::method::{BoundsKind, PatchFlags, PatchKind, PatchRecord, Prepared};
 
 /// Triangles that are made together, such that those with the same flags fill the lanes.
 const TOGETHER: usize = 512;

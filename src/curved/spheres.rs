@@ -2,10 +2,10 @@
 
 use std::ops::Add;
 
-use crate::surface::Sphere;
+use crate::method::Sphere;
 
 /// Curved triangles by the sphere that bounds them; all zero unless
-/// [`BoundsKind::Sphere`](crate::surface::BoundsKind::Sphere) was asked for. Triangles that stay flat
+/// [`BoundsKind::Sphere`](crate::method::BoundsKind::Sphere) was asked for. Triangles that stay flat
 /// have none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spheres {
@@ -19,7 +19,7 @@ pub struct Spheres {
 
 impl Spheres {
     /// One triangle with this sphere. One that was limited and then enlarged counts as enlarged.
-    pub fn of<S: crate::surface::Scalar>(sphere: Option<&Sphere<S>>) -> Self {
+    pub fn of<S: crate::method::Scalar>(sphere: Option<&Sphere<S>>) -> Self {
         let mut spheres = Self::default();
         if let Some(sphere) = sphere {
             *if sphere.is_enlarged() {

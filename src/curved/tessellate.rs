@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::prepare::is_plane;
 use super::{CurvedMesh, corners};
 use crate::mesh::{MAX_INDICES, Mesh, MeshError, NO_TRIANGLE, Topology};
-use crate::surface::{Corners, Patch, PatchKind};
+use crate::method::{Corners, Patch, PatchKind};
 
 /// A curved mesh cut into flat triangles: see [`CurvedMesh::tessellate`].
 #[derive(Debug, Clone)]
@@ -61,12 +61,12 @@ impl CurvedMesh {
             .into_par_iter()
             .flat_map_iter(|triangle| lattices.pieces(triangle))
             .collect();
-        let mesh = Mesh {
-            origin: self.mesh.origin(),
-            positions: [self.mesh.positions(), &positions].concat(),
-            normals: [self.mesh.normals(), &normals].concat(),
+        let mesh = Mesh::from_local(
+            self.mesh.origin(),
+            [self.mesh.positions(), &positions].concat(),
+            [self.mesh.normals(), &normals].concat(),
             triangles,
-        };
+        );
         Ok(Tessellation { mesh, lattices })
     }
 
@@ -176,7 +176,7 @@ impl CurvedMesh {
         let [u, v] = [i, j].map(|n| (f64::from(n) / f64::from(level)) as f32);
         if patch.kind() == PatchKind::Degenerate {
             let Corners { positions, normals } = corners(&self.mesh, triangle);
-            let mix = |x: [crate::surface::Vector<f32>; 3]| {
+            let mix = |x: [crate::method::Vector<f32>; 3]| {
                 let [a, b, c] = x.map(Vec3::from);
                 a * (1.0 - u - v) + b * u + c * v + Vec3::ZERO
             };
@@ -290,9 +290,9 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::bodies::{Blob, capped_cone, capped_cylinder};
     use crate::curved::CurvedOptions;
-    use crate::surface::Surface;
+    use crate::method::Surface;
+    use curvetri_bodies::{Blob, capped_cone, capped_cylinder};
 
     fn curved(mesh: Mesh, surface: Surface) -> CurvedMesh {
         let options = CurvedOptions {

@@ -9,7 +9,7 @@ use super::place::{Instance, Place};
 use super::scene::{Scene, Shape};
 use crate::curved::CurvedMesh;
 use crate::mesh::Bounds;
-use crate::surface::PatchKind;
+use crate::method::PatchKind;
 
 /// The corners of a box of an instance's shape, in the scene's space.
 pub(super) fn placed_corners(instance: &Instance, [lower, upper]: [Vec3; 2]) -> [Vec3; 8] {

@@ -4,10 +4,10 @@ use glam::{DVec3, Vec3, Vec4};
 
 use super::sampler::{PixelSampler, Sample};
 use super::{Camera, Form, Integrator, Lighting, Material, Picture, Scene, Sky, UpAxis, render};
-use crate::bodies::Body;
 use crate::curved::CurvedOptions;
 use crate::embree::{Device, Ray};
-use crate::surface::Surface;
+use crate::method::Surface;
+use curvetri_bodies::Body;
 
 const INDEX: f64 = 1.5;
 const SIDE: usize = 64;

@@ -448,7 +448,7 @@ mod tests {
             flat: FlatTriangles::Apart,
             ..CurvedOptions::default()
         });
-        let ball = crate::bodies::Body::sphere_tetrahedron().mesh();
+        let ball = curvetri_bodies::Body::sphere_tetrahedron().mesh();
         let mut parts = Parts::from(vec![ball, square(DVec3::new(9.0, 0.0, 0.0))]);
         // Once where it is, twice as an instance of another.
         parts.meshes.push(square(DVec3::ZERO));

@@ -10,7 +10,7 @@ use curvetri::embree::{
     Candidate, Device, Filter, Geometry, GeometryBuilder, Hit, QueryOptions, Ray, RayPacket, Scene,
     SceneBuilder, Traced, Width,
 };
-use curvetri::surface::{BoundsKind, Solver};
+use curvetri::method::{BoundsKind, Solver};
 use glam::Vec3;
 
 use crate::support::{Body, Random};

@@ -5,13 +5,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use curvetri::bodies::{self, Blob};
 use curvetri::curved::{CurvedMesh, CurvedOptions, FlatTriangles};
 use curvetri::embree::{
     Device, GeometryBuilder, QueryOptions, Ray, RayPacket, Scene, SceneBuilder,
 };
 use curvetri::mesh::{LoadOptions, Mesh, Topology, load};
-use curvetri::surface::{Solver, Surface};
+use curvetri::method::{Solver, Surface};
+use curvetri_bodies::Blob;
 use glam::Vec3;
 
 /// splitmix64: random numbers that are the same everywhere.
@@ -145,15 +145,15 @@ pub fn made_bodies() -> Vec<Body> {
     let made = [
         (
             "sphere of 4 triangles",
-            bodies::Body::sphere_tetrahedron().mesh(),
+            curvetri_bodies::Body::sphere_tetrahedron().mesh(),
         ),
-        ("torus", bodies::Body::torus(12, 16).mesh()),
-        ("fine torus", bodies::Body::torus(48, 64).mesh()),
-        ("bumpy torus", bodies::bumpy_torus(5_000)),
-        ("capped cylinder", bodies::capped_cylinder(16, 1.5)),
+        ("torus", curvetri_bodies::Body::torus(12, 16).mesh()),
+        ("fine torus", curvetri_bodies::Body::torus(48, 64).mesh()),
+        ("bumpy torus", curvetri_bodies::bumpy_torus(5_000)),
+        ("capped cylinder", curvetri_bodies::capped_cylinder(16, 1.5)),
         (
             "teapot's pot",
-            bodies::teapot_part(bodies::TeapotPart::Pot, 6),
+            curvetri_bodies::teapot_part(curvetri_bodies::TeapotPart::Pot, 6),
         ),
         ("blob", blob.mesh()),
         ("blob with a rim", Blob { rim: true, ..blob }.mesh()),

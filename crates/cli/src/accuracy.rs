@@ -1,0 +1,147 @@
+//! `curvetri accuracy`: the paper's Table 1 again.
+
+use anyhow::{Context, Result};
+use clap::Args;
+use curvetri::embree::Device;
+use curvetri_accuracy::{Model, Needed, Options, Row};
+use curvetri_bodies::Body;
+
+use super::accuracy_report::{json, text};
+use super::console::{self, Console};
+use super::{device, on_threads, values};
+
+/// The errors for which --peers counts triangles.
+const GOALS: [f64; 2] = [1e-3, 1e-4];
+
+/// Measure the surfaces on bodies whose true surface is known
+///
+/// The paper's Table 1 again: the greatest and the mean distance along the guide from the surface to
+/// the true one, over the body's largest diameter; the mean angle of the geometric normal to the true
+/// one; and its mean jump across sides. All triangles are curved, also those that are too coarse for
+/// other commands to curve; the table counts them.
+#[derive(Args)]
+pub struct AccuracyArgs {
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+
+    /// Measure by rays through Embree, in single precision, instead of by the formulas in double
+    /// precision
+    #[arg(long, conflicts_with = "peers")]
+    traced: bool,
+
+    /// Measure other methods' curved triangles as well, and tell how fast all of them get better on
+    /// finer tori and how many triangles they need for an error of 1e-3 and 1e-4
+    #[arg(long)]
+    peers: bool,
+
+    /// Points a body; each triangle gets 8 at the least
+    #[arg(long, value_name = "N", default_value_t = Options::default().samples,
+          value_parser = values::samples)]
+    samples: usize,
+
+    /// Chooses where the points lie
+    #[arg(long, value_name = "N", default_value_t = Options::default().seed)]
+    seed: u64,
+
+    /// Threads to use [default: all]
+    #[arg(long, value_name = "N", value_parser = values::threads)]
+    threads: Option<usize>,
+}
+
+/// What was measured.
+pub struct Report {
+    pub rows: Vec<Row>,
+    /// Only with --peers.
+    pub peers: Option<Convergence>,
+}
+
+/// How the models get better on finer tori.
+pub struct Convergence {
+    pub orders: Vec<Orders>,
+    pub needed: Vec<Needed>,
+}
+
+/// A model's observed orders of convergence from one torus to the next finer one.
+pub struct Orders {
+    pub model: Model,
+    pub from: String,
+    pub to: String,
+    pub max: f64,
+    pub mean: f64,
+    pub normal: f64,
+}
+
+/// Runs the command.
+pub fn run(args: &AccuracyArgs, console: &Console) -> Result<()> {
+    let device = args.traced.then(|| device(args.threads)).transpose()?;
+    let report = on_threads(args.threads, || measure(args, device.as_ref(), console))?;
+    let printed = if args.json {
+        json(&report)
+    } else {
+        text(&report)
+    };
+    console::print(&printed)
+}
+
+fn measure(args: &AccuracyArgs, device: Option<&Device>, console: &Console) -> Result<Report> {
+    let options = Options {
+        samples: args.samples,
+        seed: args.seed,
+    };
+    let mut models = Model::OURS.to_vec();
+    if args.peers {
+        models.extend(Model::PEERS);
+    }
+    let bodies = curvetri_accuracy::bodies();
+    let bar = console.progress("measuring", ((bodies.len() + 1) * models.len()) as u64);
+    let mut rows = Vec::new();
+    for body in &bodies {
+        for &model in &models {
+            rows.push(row(body, model, &options, device)?);
+            bar.inc(1);
+        }
+    }
+    let peers = args.peers.then(|| Convergence {
+        orders: orders(&rows),
+        needed: (models.iter())
+            .inspect(|_| bar.inc(1))
+            .flat_map(|&model| curvetri_accuracy::triangles_needed(model, &GOALS, args.seed))
+            .collect(),
+    });
+    bar.finish_and_clear();
+    Ok(Report { rows, peers })
+}
+
+fn row(body: &Body, model: Model, options: &Options, device: Option<&Device>) -> Result<Row> {
+    match device {
+        None => Ok(curvetri_accuracy::measure(body, model, options)),
+        Some(device) => curvetri_accuracy::measure_traced(device, body, model, options)
+            .with_context(|| format!("cannot trace the {}", body.name())),
+    }
+}
+
+/// Compares each torus with the one before it, by model.
+fn orders(rows: &[Row]) -> Vec<Orders> {
+    let mut orders = Vec::new();
+    for (n, coarse) in rows.iter().enumerate() {
+        // The next row of the model, and a torus of four times the triangles.
+        let finer = rows[n + 1..].iter().find(|row| row.model == coarse.model);
+        let Some(fine) = finer.filter(|row| is_torus(coarse) && is_torus(row)) else {
+            continue;
+        };
+        orders.push(Orders {
+            model: coarse.model,
+            from: coarse.body.clone(),
+            to: fine.body.clone(),
+            max: curvetri_accuracy::order(coarse.max, fine.max),
+            mean: curvetri_accuracy::order(coarse.mean, fine.mean),
+            normal: curvetri_accuracy::order(coarse.normal_deg, fine.normal_deg),
+        });
+    }
+    orders
+}
+
+fn is_torus(row: &Row) -> bool {
+    row.body.starts_with("torus")
+}

@@ -1,0 +1,226 @@
+//! `curvetri bench`: curved triangles against flat ones.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use clap::Args;
+use curvetri::mesh::{LoadOptions, load};
+use curvetri::render::OutputFile;
+use curvetri_bench::{
+    Clock, Goal, Machine, MeshReport, NamedForm, Options, RayKind, Subject, TorusBytes, Way,
+};
+use curvetri_bodies::{bumpy_torus, bumpy_torus_distance};
+
+use super::bench_report::{json, markdown, text};
+use super::console::{self, Console};
+use super::{usage, values};
+
+/// Sizes of the torus if neither meshes nor sizes are given.
+const SIZES: [usize; 3] = [10_000, 100_000, 1_000_000];
+
+/// Measure how fast curved triangles are against flat ones
+///
+/// Traces each mesh in many forms, in one run and on the same rays: Embree's flat triangles, the
+/// baseline; curved triangles by every surface and root finder; the curved surface cut into flat
+/// triangles and into Embree's grids; and Embree's subdivision surface. Every form is traced in rounds
+/// with the baseline in between; ratios are medians over the rounds, and flat is taken at its best of
+/// widths and flags. Vertices and triangles are shuffled first.
+///
+/// The mesh is a bumpy torus of 10 thousand, 100 thousand and 1 million triangles unless files or sizes
+/// are given.
+#[derive(Args)]
+pub struct BenchArgs {
+    /// Mesh files (OBJ, PLY, STL, OFF, glTF, GLB, also as .gz)
+    #[arg(value_name = "MESH")]
+    meshes: Vec<PathBuf>,
+
+    /// Measure bumpy tori of about these many triangles, beside the files if there are any
+    #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = values::triangles)]
+    triangles: Vec<usize>,
+
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+
+    /// Write the tables as Markdown, with the machine's description
+    #[arg(long, value_name = "FILE.md")]
+    markdown: Option<PathBuf>,
+
+    /// Be done within about a minute: a torus of 10 thousand triangles, fewer forms, rays and rounds
+    #[arg(long)]
+    quick: bool,
+
+    /// Forms to measure beside flat [default: all]
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
+    forms: Vec<String>,
+
+    /// Kinds of rays [default: all]
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
+    kinds: Vec<String>,
+
+    /// Ways of asking: 1, 4, 8 or 16 rays at a time, with a c behind where they are said to be coherent; the
+    /// baseline is asked in these ways as well [default: all]
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
+    ways: Vec<String>,
+
+    /// About how many rays of a kind [default: 262144]
+    #[arg(long, value_name = "N", value_parser = values::samples)]
+    rays: Option<usize>,
+
+    /// How often each time is taken [default: 5]
+    #[arg(long, value_name = "N", value_parser = values::rounds)]
+    rounds: Option<usize>,
+
+    /// Numbers of threads to trace on [default: 1 and all]
+    #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = values::threads)]
+    threads: Vec<usize>,
+
+    /// Count the time that threads run, not that on the wall: for machines that are busy otherwise
+    #[arg(long)]
+    cpu_time: bool,
+
+    /// Leave out forms that need more memory than this many gigabytes [default: two thirds of what is
+    /// free]
+    #[arg(long, value_name = "GB", value_parser = values::number)]
+    memory: Option<f64>,
+}
+
+/// What was measured.
+pub struct Report {
+    pub machine: Machine,
+    pub options: Options,
+    pub meshes: Vec<MeshReport>,
+    pub torus: TorusBytes,
+    pub goals: Vec<Goal>,
+}
+
+/// Runs the command.
+pub fn run(args: &BenchArgs, console: &Console) -> Result<()> {
+    let options = args.options()?;
+    let machine = Machine::new()?;
+    let file = args.markdown.as_deref().map(OutputFile::create);
+    let file = file.transpose()?;
+    // before the long work: a file may be missing
+    let files = args.meshes.iter().map(|path| read(path));
+    let files = files.collect::<Result<Vec<Subject>>>()?;
+    let bar = console.spinner("measuring");
+    let say = |what: &str| {
+        console.note(what);
+        bar.set_message(what.to_owned());
+    };
+    let mut meshes = Vec::new();
+    for size in args.sizes() {
+        let subject = Subject {
+            name: format!("bumpy-torus-{size}"),
+            mesh: bumpy_torus(size),
+            truth: Some(bumpy_torus_distance),
+        };
+        meshes.push(measure(&subject, &options, &say)?);
+    }
+    for subject in &files {
+        meshes.push(measure(subject, &options, &say)?);
+    }
+    say("torus-48x64: bytes at equal error");
+    let torus = curvetri_bench::torus_bytes().context("cannot measure the torus")?;
+    bar.finish_and_clear();
+    let goals = curvetri_bench::goals(&meshes, Some(&torus));
+    let report = Report {
+        machine,
+        options,
+        meshes,
+        torus,
+        goals,
+    };
+    if let Some(file) = file {
+        let page = markdown(&report);
+        file.finish(|out| out.write_all(page.as_bytes()))?;
+    }
+    console::print(&if args.json {
+        json(&report)
+    } else {
+        text(&report)
+    })
+}
+
+fn measure(subject: &Subject, options: &Options, say: &dyn Fn(&str)) -> Result<MeshReport> {
+    curvetri_bench::measure(subject, options, say)
+        .with_context(|| format!("cannot measure {}", subject.name))
+}
+
+fn read(path: &Path) -> Result<Subject> {
+    let name = path.file_stem().unwrap_or(path.as_os_str());
+    Ok(Subject {
+        name: name.to_string_lossy().into_owned(),
+        mesh: load(path, &LoadOptions::default())?.mesh,
+        truth: None,
+    })
+}
+
+impl BenchArgs {
+    fn sizes(&self) -> Vec<usize> {
+        match (&*self.triangles, &*self.meshes) {
+            ([], []) if self.quick => SIZES[..1].to_vec(),
+            ([], []) => SIZES.to_vec(),
+            (sizes, _) => sizes.to_vec(),
+        }
+    }
+
+    fn options(&self) -> Result<Options> {
+        let mut options = if self.quick {
+            Options::quick()
+        } else {
+            Options::default()
+        };
+        if !self.forms.is_empty() {
+            options.forms = named(
+                &self.forms,
+                curvetri_bench::forms(),
+                "form",
+                |form: &NamedForm| form.name.clone(),
+            )?;
+        }
+        if !self.kinds.is_empty() {
+            let all = RayKind::ALL.to_vec();
+            options.kinds = named(&self.kinds, all, "kind of rays", |kind| {
+                kind.name().to_owned()
+            })?;
+        }
+        if !self.ways.is_empty() {
+            options.ways = named(&self.ways, Way::ALL.to_vec(), "way", Way::name)?;
+        }
+        if !self.threads.is_empty() {
+            options.threads.clone_from(&self.threads);
+        }
+        if self.cpu_time {
+            options.clock = Clock::Processor;
+        }
+        options.rays = self.rays.unwrap_or(options.rays);
+        options.rounds = self.rounds.unwrap_or(options.rounds);
+        if let Some(gigabytes) = self.memory {
+            options.memory = (gigabytes * 1e9) as u64;
+        }
+        Ok(options)
+    }
+}
+
+/// Those of all that are asked for by their names.
+fn named<T: Clone>(
+    wanted: &[String],
+    all: Vec<T>,
+    what: &str,
+    name: impl Fn(&T) -> String,
+) -> Result<Vec<T>> {
+    for asked in wanted {
+        if !all.iter().any(|one| name(one) == *asked) {
+            let names: Vec<String> = all.iter().map(&name).collect();
+            return usage(format!(
+                "there is no {what} named {asked}; there are {}",
+                names.join(", ")
+            ));
+        }
+    }
+    Ok(all
+        .into_iter()
+        .filter(|one| wanted.contains(&name(one)))
+        .collect())
+}

@@ -1,0 +1,177 @@
+//! What `curvetri compare` is told.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use curvetri::curved::CurvedOptions;
+use curvetri::method::Surface;
+use curvetri::render::{Background, Form};
+
+use super::super::integrator::IntegratorArgs;
+use super::super::light::LightArgs;
+use super::super::surface::{SurfaceArgs, plain};
+use super::super::view::ViewArgs;
+use super::super::{usage, values};
+use super::measure::Contestant;
+
+/// Compare flat triangles with the curved surface: pictures, errors, time and memory
+#[derive(Args)]
+pub struct CompareArgs {
+    /// Mesh files (OBJ, PLY, STL, OFF, glTF, GLB, also as .gz), or - for standard input
+    #[arg(required = true, value_name = "MESH")]
+    pub meshes: Vec<PathBuf>,
+
+    /// A picture of all beside each other: flat, curved, their difference, the reference; a PNG file
+    #[arg(short, long, value_name = "FILE.png")]
+    pub output: PathBuf,
+
+    /// A mesh of the same body, so fine that it stands for the truth; may be given several times. It
+    /// is shown as flat triangles with interpolated normals
+    #[arg(long, value_name = "FINE")]
+    pub reference: Vec<PathBuf>,
+
+    /// What else to set beside them, as a list with commas
+    #[arg(
+        long,
+        value_name = "FORM,...",
+        value_enum,
+        value_delimiter = ',',
+        default_value = "paper"
+    )]
+    pub also: Vec<AlsoChoice>,
+
+    /// A page with pictures to slide over each other and all figures, in one file
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
+
+    /// Print the figures as JSON
+    #[arg(long)]
+    pub json: bool,
+
+    /// Build and render so many times and give medians and spreads of times
+    #[arg(long, value_name = "N", default_value_t = 1,
+        value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeat: u32,
+
+    /// Width and height of each picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "800x600", value_parser = values::size)]
+    pub size: [usize; 2],
+
+    /// Rays a pixel
+    #[arg(long, visible_alias = "spp", value_name = "N", default_value_t = 16,
+        value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub samples: u32,
+
+    /// Threads to use [default: all]
+    #[arg(long, value_name = "N", value_parser = values::threads)]
+    pub threads: Option<usize>,
+
+    #[command(flatten)]
+    pub view: ViewArgs,
+
+    #[command(flatten)]
+    pub integrator: IntegratorArgs,
+
+    #[command(flatten)]
+    pub light: LightArgs,
+
+    #[command(flatten)]
+    pub surface: SurfaceArgs,
+}
+
+/// Further forms to compare, as they are without any options.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AlsoChoice {
+    /// Flat triangles that are lit by their own normals
+    Facets,
+    /// The paper's surface with this program's bounds and root finder
+    Angular,
+    /// Curved by a quadratic form
+    Tensor,
+    /// As tensor, with tangent planes that agree across sides
+    Smooth,
+    /// The paper's own: its surface, bounds and root finder
+    Paper,
+    /// Nothing
+    None,
+}
+
+/// The most pixels of a picture: what is kept of each of several pictures is some hundred bytes.
+const MOST_PIXELS: usize = 1 << 26;
+
+impl CompareArgs {
+    /// What is compared, flat triangles first.
+    pub fn forms(&self) -> Result<Vec<Contestant>> {
+        let curved = self.surface.form()?;
+        if curved == Form::Flat {
+            return usage(
+                "compare sets a curved surface beside flat triangles: not --surface flat",
+            );
+        }
+        let mut forms = vec![
+            Contestant::flat("flat"),
+            Contestant::curved("curved", curved),
+        ];
+        for choice in &self.also {
+            let Some(also) = choice.contestant() else {
+                continue;
+            };
+            let same = |old: &Contestant| old.form == also.form && old.shading == also.shading;
+            if !forms.iter().any(same) {
+                forms.push(also);
+            }
+        }
+        Ok(forms)
+    }
+
+    /// Looks for mistakes that show in the arguments alone.
+    pub fn check(&self) -> Result<()> {
+        ends_in(&self.output, &["png"])?;
+        if let Some(report) = &self.report {
+            ends_in(report, &["html", "htm"])?;
+        }
+        if self.size[0] * self.size[1] > MOST_PIXELS {
+            return usage(format!("a picture has at most {MOST_PIXELS} pixels"));
+        }
+        if self.light.background() == Background::Transparent {
+            return usage("--transparent is for render: compared pictures have a background");
+        }
+        self.integrator.integrator()?;
+        self.integrator.material()?;
+        self.light.check(false)?;
+        self.view.check()
+    }
+}
+
+impl AlsoChoice {
+    fn contestant(self) -> Option<Contestant> {
+        let curved = |name, surface| {
+            let options = CurvedOptions { surface, ..plain() };
+            Contestant::curved(name, Form::Curved(options))
+        };
+        Some(match self {
+            Self::None => return None,
+            Self::Paper => Contestant::curved("paper", Form::Curved(CurvedOptions::paper())),
+            Self::Facets => Contestant::facets(),
+            Self::Angular => curved("angular", Surface::Angular),
+            Self::Tensor => curved("tensor", Surface::Tensor),
+            Self::Smooth => curved("smooth", Surface::Smooth),
+        })
+    }
+}
+
+fn ends_in(path: &Path, endings: &[&str]) -> Result<()> {
+    let ending = path.extension().map(|e| e.to_ascii_lowercase());
+    if endings
+        .iter()
+        .any(|known| ending.as_deref() == Some(known.as_ref()))
+    {
+        return Ok(());
+    }
+    usage(format!(
+        "{} does not end in .{}",
+        path.display(),
+        endings[0]
+    ))
+}

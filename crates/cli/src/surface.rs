@@ -1,0 +1,277 @@
+//! The options that say what a mesh's triangles stand for, the same for all commands.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use curvetri::curved::{CurvedOptions, FlatTriangles, Primitives};
+use curvetri::mesh::{self, LoadOptions, Loaded, Mesh, NormalsPolicy, Parts, Scenery};
+use curvetri::method::{BoundsKind, Solver, Surface};
+use curvetri::render::Form;
+
+use super::console::Console;
+use super::usage;
+use super::values::{self, Tolerance};
+
+#[derive(Args)]
+#[command(next_help_heading = "Surface")]
+pub struct SurfaceArgs {
+    /// The form of the method; --surface, --bounds, --primitives and --solver choose its parts one by one
+    #[arg(long, value_enum, default_value_t = MethodChoice::Default)]
+    method: MethodChoice,
+
+    /// What the triangles stand for [default: smooth, or angular with --method paper]
+    #[arg(long, value_enum)]
+    surface: Option<SurfaceChoice>,
+
+    /// What bounds a curved triangle [default: tight, or sphere with --method paper]
+    #[arg(long, value_enum)]
+    bounds: Option<BoundsChoice>,
+
+    /// What is one primitive to Embree [default: clusters, or triangles with --method paper]
+    #[arg(long, value_enum)]
+    primitives: Option<PrimitivesChoice>,
+
+    /// How roots are found [default: finish, or ita with --method paper, --ita-bits or --ita-step]
+    #[arg(long, value_enum)]
+    solver: Option<SolverChoice>,
+
+    /// Find roots by the paper's iterative algorithm, to this many binary digits (n) [default with
+    /// --solver ita: 24]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=30))]
+    ita_bits: Option<u32>,
+
+    /// Find roots by the paper's iterative algorithm, this many binary digits a step (n1) [default
+    /// with --solver ita: 3]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
+    ita_step: Option<u32>,
+
+    /// Keep triangles flat whose surface lies no further than this from them: a length in the mesh's
+    /// units, or for `render` also in pixels, as in 0.05px [default: 0]
+    #[arg(long, value_name = "LENGTH", value_parser = values::tolerance)]
+    tolerance: Option<Tolerance>,
+
+    /// Where normals are missing, faces that meet at a greater angle than this make a hard edge
+    #[arg(long, value_name = "DEGREES", default_value = "30", value_parser = values::crease)]
+    crease_angle: f32,
+
+    /// Which of the normals that a file has are used
+    #[arg(long, value_enum, default_value_t = NormalsChoice::Auto)]
+    normals: NormalsChoice,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum MethodChoice {
+    /// The smooth surface, tight bounds, a fast root finder
+    Default,
+    /// The paper's own: the angular surface, spheres of greatest curvature, the iterative algorithm
+    Paper,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum BoundsChoice {
+    /// The paper's: the sphere of greatest curvature, that on the circumscribed circle
+    Sphere,
+    /// The least and greatest heights that the surface may have
+    Tight,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PrimitivesChoice {
+    /// A triangle
+    Triangles,
+    /// A few neighbouring triangles
+    Clusters,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum SolverChoice {
+    /// The paper's iterative algorithm
+    Ita,
+    /// Samples, then a superlinear bracketing method
+    Finish,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum NormalsChoice {
+    /// All
+    Stored,
+    /// None: all are made from the triangles
+    Smooth,
+    /// All but flat ones on what looks like a curved wall
+    Auto,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum SurfaceChoice {
+    /// Themselves
+    Flat,
+    /// The paper's curved triangles
+    Angular,
+    /// Curved by a quadratic form; better on fine meshes
+    Tensor,
+    /// As tensor, with tangent planes that agree across sides
+    Smooth,
+}
+
+/// The default form of our own scenes, which may have two geometries a mesh.
+pub fn plain() -> CurvedOptions {
+    CurvedOptions {
+        flat: FlatTriangles::Apart,
+        ..CurvedOptions::default()
+    }
+}
+
+impl SurfaceArgs {
+    /// What the triangles stand for, where there is no camera.
+    pub fn form(&self) -> Result<Form> {
+        match self.tolerance {
+            Some(Tolerance::Pixels(_)) => {
+                usage("--tolerance in pixels is for `curvetri render`, which has a camera")
+            }
+            Some(Tolerance::Length(length)) => self.form_within(length),
+            None => self.form_within(0.0),
+        }
+    }
+
+    /// The tolerance, where it is in pixels.
+    pub fn tolerated_pixels(&self) -> Option<f32> {
+        match self.tolerance {
+            Some(Tolerance::Pixels(pixels)) => Some(pixels),
+            _ => None,
+        }
+    }
+
+    /// The same with this length as the tolerance.
+    pub fn form_within(&self, tolerance: f32) -> Result<Form> {
+        let preset = match self.method {
+            MethodChoice::Default => plain(),
+            MethodChoice::Paper => CurvedOptions::paper(),
+        };
+        let surface = match self.surface {
+            None => preset.surface,
+            Some(SurfaceChoice::Flat) => return self.flat(),
+            Some(SurfaceChoice::Angular) => Surface::Angular,
+            Some(SurfaceChoice::Tensor) => Surface::Tensor,
+            Some(SurfaceChoice::Smooth) => Surface::Smooth,
+        };
+        let bounds = match self.bounds {
+            None => preset.bounds,
+            Some(BoundsChoice::Sphere) => BoundsKind::Sphere,
+            Some(BoundsChoice::Tight) => BoundsKind::Tight,
+        };
+        let primitives = match self.primitives {
+            None => preset.primitives,
+            Some(PrimitivesChoice::Triangles) => Primitives::Triangles,
+            Some(PrimitivesChoice::Clusters) => Primitives::Clusters,
+        };
+        Ok(Form::Curved(CurvedOptions {
+            surface,
+            bounds,
+            primitives,
+            solver: self.solver(preset.solver)?,
+            tolerance,
+            ..preset
+        }))
+    }
+
+    fn flat(&self) -> Result<Form> {
+        let given = [
+            ("--method paper", self.method == MethodChoice::Paper),
+            ("--bounds", self.bounds.is_some()),
+            ("--primitives", self.primitives.is_some()),
+            ("--solver", self.solver.is_some()),
+            ("--ita-bits", self.ita_bits.is_some()),
+            ("--ita-step", self.ita_step.is_some()),
+            ("--tolerance", self.tolerance.is_some()),
+        ];
+        match given.into_iter().find(|(_, given)| *given) {
+            None => Ok(Form::Flat),
+            Some((name, _)) => usage(format!(
+                "{name} is for curved surfaces, not for flat ones; leave it out, or --surface flat"
+            )),
+        }
+    }
+
+    fn solver(&self, preset: Solver) -> Result<Solver> {
+        let digits = self.ita_bits.is_some() || self.ita_step.is_some();
+        let chosen = match self.solver {
+            Some(SolverChoice::Finish) if digits => {
+                return usage(
+                    "--ita-bits and --ita-step are for --solver ita; leave them out, or choose that",
+                );
+            }
+            Some(SolverChoice::Finish) => Solver::default(),
+            Some(SolverChoice::Ita) => Solver::ITA,
+            None if digits => Solver::ITA,
+            None => preset,
+        };
+        Ok(match chosen {
+            Solver::Ita { bits, step } => Solver::Ita {
+                bits: self.ita_bits.unwrap_or(bits),
+                step: self.ita_step.unwrap_or(step),
+            },
+            finish @ Solver::Finish { .. } => finish,
+        })
+    }
+
+    /// Reads a mesh and tells what was odd about it.
+    pub fn load(&self, path: &Path, console: &Console) -> Result<Loaded> {
+        let loaded = self.read(path, console)?;
+        for warning in &loaded.report.warnings {
+            console.warn(&format!("{}: {warning}", path.display()));
+        }
+        Ok(loaded)
+    }
+
+    /// Reads meshes, and what else their files have; tells what was odd. What a file uses several
+    /// times stays apart.
+    pub fn load_all(&self, paths: &[PathBuf], console: &Console) -> Result<(Parts, Scenery)> {
+        let (mut parts, mut scenery) = (Parts::default(), Scenery::default());
+        for path in paths {
+            let bar = console.progress("reading", 1000);
+            let told = |share| bar.set_position((1000.0 * share) as u64);
+            let loaded = mesh::load_parts(path, &self.load_options(), &told)?;
+            bar.finish_and_clear();
+            for mesh in &loaded.parts.meshes {
+                Self::note(path, mesh, console);
+            }
+            for warning in &loaded.report.warnings {
+                console.warn(&format!("{}: {warning}", path.display()));
+            }
+            parts.append(loaded.parts);
+            scenery.append(loaded.scenery);
+        }
+        Ok((parts, scenery))
+    }
+
+    /// Reads a mesh, with what was odd about it.
+    pub fn read(&self, path: &Path, console: &Console) -> Result<Loaded> {
+        let bar = console.progress("reading", 1000);
+        let told = |share| bar.set_position((1000.0 * share) as u64);
+        let loaded = mesh::load_watched(path, &self.load_options(), &told)?;
+        bar.finish_and_clear();
+        Self::note(path, &loaded.mesh, console);
+        Ok(loaded)
+    }
+
+    fn load_options(&self) -> LoadOptions {
+        LoadOptions {
+            crease_angle_degrees: self.crease_angle,
+            normals: match self.normals {
+                NormalsChoice::Stored => NormalsPolicy::Stored,
+                NormalsChoice::Smooth => NormalsPolicy::Smooth,
+                NormalsChoice::Auto => NormalsPolicy::Auto,
+            },
+        }
+    }
+
+    fn note(path: &Path, mesh: &Mesh, console: &Console) {
+        console.note(&format!(
+            "{}: {} triangles, {} vertices",
+            path.display(),
+            mesh.triangles().len(),
+            mesh.positions().len()
+        ));
+    }
+}
