@@ -10,10 +10,9 @@ use curvetri::curved::{CurvedMesh, CurvedOptions};
 use curvetri::embree::{Device, Geometry, GeometryBuilder, SceneBuilder};
 use curvetri::mesh::{Mesh, Topology};
 use curvetri::method::{Corners, PatchFlags, Prepared, Vector};
-use curvetri_bodies::bumpy_torus;
+use curvetri_bodies::{SplitMix, bumpy_torus};
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use rand::{SeedableRng, rngs::SmallRng, seq::SliceRandom};
 
 fn main() {
     divan::main();
@@ -23,9 +22,9 @@ const SIZES: [usize; 2] = [100_000, 1_000_000];
 
 fn torus(triangles: usize) -> Arc<Mesh> {
     let mesh = bumpy_torus(triangles);
-    let mut random = SmallRng::seed_from_u64(1);
+    let mut random = SplitMix::new(1);
     let mut place: Vec<u32> = (0..mesh.positions().len() as u32).collect();
-    place.shuffle(&mut random);
+    random.shuffle(&mut place);
     let mut positions = vec![glam::DVec3::ZERO; place.len()];
     let mut normals = positions.clone();
     for (old, &new) in place.iter().enumerate() {
@@ -34,7 +33,7 @@ fn torus(triangles: usize) -> Arc<Mesh> {
     }
     let triangles = mesh.triangles().iter();
     let mut triangles: Vec<_> = triangles.map(|t| t.map(|v| place[v as usize])).collect();
-    triangles.shuffle(&mut random);
+    random.shuffle(&mut triangles);
     Arc::new(Mesh::new(positions, Some(normals), triangles).expect("a torus is a mesh"))
 }
 

@@ -11,9 +11,8 @@ use curvetri::embree::Device;
 use curvetri::mesh::{LoadOptions, Mesh, load};
 use curvetri::method::Surface;
 use curvetri::render::{Form, PacketWidth, Scene, UserRay, UserRays, answer_rays};
+use curvetri_bodies::SplitMix;
 use glam::DVec3;
-use rand::rngs::StdRng;
-use rand::{Rng, SeedableRng};
 
 /// Rays at each mesh, by each surface and each width of packets.
 const RAYS: usize = 20_000;
@@ -71,9 +70,9 @@ fn write(file: &Path) -> Result<ExitCode, Box<dyn Error>> {
 
 /// Rays from all around towards somewhere near the mesh: the same on every machine.
 fn rays(mesh: &Mesh) -> Vec<UserRay> {
-    let mut random = StdRng::seed_from_u64(97);
+    let mut random = SplitMix::new(97);
     let bounds = mesh.bounds();
-    let mut cube = |side: f64| DVec3::from_array([0; 3].map(|_| random.random_range(-side..side)));
+    let mut cube = |side: f64| DVec3::from_array([0; 3].map(|_| random.between(-side, side)));
     let ray = |_| {
         let origin = cube(3.0).map(|x| x + 2.0 * x.signum()) * bounds.diagonal();
         let target = cube(0.4) * bounds.diagonal();

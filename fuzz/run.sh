@@ -24,7 +24,7 @@ export RUSTC_BOOTSTRAP=1
 # Embree and TBB keep some memory for the process's life.
 export ASAN_OPTIONS=detect_leaks=0${ASAN_OPTIONS:+:$ASAN_OPTIONS}
 
-cargo run --quiet -p curvetri-mesh --example fuzz_seeds fuzz/corpus
+cargo run --quiet --locked -p curvetri-fuzz-seeds fuzz/corpus
 failed=()
 for target in "${targets[@]}"; do
     mkdir -p "fuzz/corpus/$target"

@@ -1,8 +1,6 @@
 //! Real meshes, where `CURVETRI_MESHES` points to a folder of them: each loads or is refused with a
 //! sentence.
 
-mod support;
-
 use std::path::PathBuf;
 
 use curvetri::mesh::{LoadOptions, Topology, load};
@@ -13,7 +11,7 @@ fn every_mesh_loads_or_is_refused_by_name() {
         println!("skipped, because CURVETRI_MESHES is not set");
         return;
     };
-    let files = support::mesh_files(&folder);
+    let files = curvetri_test_support::mesh_files(&folder);
     assert!(
         !files.is_empty(),
         "there are no meshes in {}",

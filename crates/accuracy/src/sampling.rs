@@ -1,5 +1,7 @@
 //! Where a triangle and a side are looked at.
 
+use curvetri_bodies::SplitMix;
+
 /// The golden ratio's siblings: Roberts' R2 sequence, which fills the square evenly.
 const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 /// The golden ratio less 1.
@@ -51,14 +53,9 @@ pub(super) fn places(count: usize, seed: u64, side: usize) -> impl Iterator<Item
     (0..count).map(move |n| (start + R1 * n as f64).fract())
 }
 
-/// A number from 0 up to but without 1, by Steele, Lea and Flood's SplitMix64.
+/// A number from 0 up to but without 1. The factor sets the sequences of neighbouring seeds far apart.
 fn unit(seed: u64, index: u64) -> f64 {
-    let step = 0x9e37_79b9_7f4a_7c15_u64;
-    let mut z = seed.wrapping_mul(0xd134_2543_de82_ef95);
-    z = z.wrapping_add(index.wrapping_add(1).wrapping_mul(step));
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    SplitMix::from_index(seed.wrapping_mul(0xd134_2543_de82_ef95), index).unit()
 }
 
 #[cfg(test)]

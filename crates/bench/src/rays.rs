@@ -1,7 +1,5 @@
 //! The rays that are traced: the same for all forms.
 
-use std::f32::consts::TAU;
-
 use glam::Vec3;
 
 use curvetri::curved::CurvedMesh;
@@ -121,10 +119,6 @@ impl<'a> RayMaker<'a> {
         vec![primary, bounce, shadow, near, diffuse, self.random_rays()]
     }
 
-    fn unit(&mut self) -> f32 {
-        self.random.between(0.0, 1.0) as f32
-    }
-
     fn centre(&self) -> Vec3 {
         let bounds = self.scene.bounds();
         0.5 * (bounds.lower + bounds.upper)
@@ -219,27 +213,17 @@ impl<'a> RayMaker<'a> {
 
     /// A ray in a cosine-distributed direction.
     fn scattered(&mut self, start: &Start) -> Ray {
-        let aside = self.direction();
+        let aside = self.random.direction();
         let direction = (start.normal + 0.999 * aside).normalize_or(start.normal);
         Ray::new(start.point, direction)
     }
 
-    /// A direction, all equally likely.
-    fn direction(&mut self) -> Vec3 {
-        let (z, turn) = (2.0 * self.unit() - 1.0, TAU * self.unit());
-        let flat = (1.0 - z * z).max(0.0).sqrt();
-        Vec3::new(flat * turn.cos(), flat * turn.sin(), z)
-    }
-
     fn diffuse(&mut self) -> Vec<Ray> {
-        let triangles = self.curved.mesh().triangles().len() as u64;
+        let triangles = self.curved.mesh().triangles().len();
         let mut rays = Vec::with_capacity(self.count);
         for _ in 0..self.count {
-            let triangle = (self.random.next() % triangles) as u32;
-            let (mut u, mut v) = (self.unit(), self.unit());
-            if u + v > 1.0 {
-                (u, v) = (1.0 - u, 1.0 - v);
-            }
+            let triangle = self.random.below(triangles) as u32;
+            let [_, u, v] = self.random.barycentric();
             let point = self.curved.patch(triangle).point(u, v);
             let (position, normal) = (Vec3::from(point.position), Vec3::from(point.normal));
             if position.is_finite() && normal.is_finite() {
@@ -255,8 +239,8 @@ impl<'a> RayMaker<'a> {
         let count = self.count;
         let radius = 0.75 * self.diagonal();
         let mut ray = || {
-            let origin = centre + radius * self.direction();
-            let share = Vec3::new(self.unit(), self.unit(), self.unit());
+            let origin = centre + radius * self.random.direction();
+            let share = Vec3::from_array([(); 3].map(|()| self.random.unit_f32()));
             let target = bounds.lower + share * (bounds.upper - bounds.lower);
             Ray::new(origin, (target - origin).normalize_or(Vec3::Z))
         };

@@ -29,9 +29,7 @@ pub(super) fn shuffled(mesh: &Mesh) -> Mesh {
 /// The numbers below `count` in random order.
 fn permutation(count: usize, random: &mut SplitMix) -> Vec<u32> {
     let mut numbers: Vec<u32> = (0..count as u32).collect();
-    for last in (1..count).rev() {
-        numbers.swap(last, (random.next() % (last as u64 + 1)) as usize);
-    }
+    random.shuffle(&mut numbers);
     numbers
 }
 

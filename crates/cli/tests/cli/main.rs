@@ -1,0 +1,18 @@
+//! The command `curvetri` as a whole program.
+
+mod accuracy;
+mod bench;
+#[cfg(unix)]
+mod browser;
+mod compare;
+#[cfg(unix)]
+mod compare_report;
+mod errors;
+mod exr;
+mod inspect;
+mod instances;
+mod program;
+mod render;
+mod tessellate;
+mod trace;
+mod trace_all_hits;

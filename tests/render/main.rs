@@ -1,0 +1,7 @@
+//! The renderer: scenes with instances, and pictures against what is known of them.
+
+mod instances;
+mod integrators;
+#[cfg(feature = "compare")]
+mod silhouette;
+mod terminator;
