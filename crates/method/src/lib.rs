@@ -1,13 +1,21 @@
-//! The spherical interpolation method: pure maths of one curved triangle, no Embree.
+//! The spherical interpolation method: pure maths of one curved triangle, without Embree.
 //!
 //! Source: Gusiatin, Gusiatin, Mikhal, "Ray tracing synthesis of images of triangulated surfaces
 //! smoothed by the spherical interpolation method", 2018, doi 10.15587/1729-4061.2018.145531;
-//! equation numbers in this room are the paper's. A surface point over the plane point `rp` is
-//! `r = rp + g h` (1), with the guide vector `g` scaled so that its part along the plane's normal
-//! is 1, and `h` the mean of the guide's parameters on the spheres of the three vertices (33).
+//! equation and section numbers in this package are the paper's. A surface point over the plane point
+//! `rp` is `r = rp + g h` (1). The guide vector `g` is scaled so that its part along the plane's normal
+//! is 1, and `h` is the mean of the guide's parameters on the spheres of the three vertices (33).
 //!
-//! Everything is written once over [`Scalar`], [`Real`] and [`Jet`]: `f64` is the oracle for
-//! `f32`, and tangents come from the same source by [`Dual`] numbers.
+//! The folders, from the bottom up; each imports only from those above it in this list:
+//! - `numbers`: scalars, SIMD lanes, vectors, derivatives and intervals. The kernel is written once over
+//!   them: `f64` is the oracle for `f32`, and tangents come from the same source by dual numbers;
+//! - `patch`: what is known of one triangle, data alone: vertices, frame, edges, flags, kinds;
+//! - `evaluate`: the guide field (section 4.3), the height (33), and points with tangents and normals;
+//! - `bounds`: heights, boxes, the sphere (3), the planes that a ray is clipped to;
+//! - `store`: the packed form of a triangle, and blocks of unpacked ones side by side in columns;
+//! - `build`: a patch from three vertices: the checks, the correction, one triangle or many at once. It
+//!   imports `store`, because a patch is rounded to its packed form before anything is derived from it;
+//! - `intersect`: rays: the clip, the segment, the roots of F (44), single rays, packets and pairs.
 
 // Sides and vertices are named by their index, in formulas that are cyclic in it.
 #![allow(clippy::needless_range_loop)]
@@ -16,69 +24,28 @@
 // The product rule.
 #![allow(clippy::suspicious_arithmetic_impl)]
 
-mod block;
 mod bounds;
-mod boxes;
-mod choice;
-mod columns;
-mod correction;
-mod crossing;
-mod dual;
-mod finish;
-mod flags;
-mod folds;
-mod frame;
-mod guide;
-mod height;
-mod hit;
-mod hull;
-mod ita;
-mod kept;
-mod lanes;
-mod outline;
-mod packet;
-mod pair_lanes;
-mod pairs;
-mod paraboloid;
+mod build;
+mod evaluate;
+mod intersect;
+mod numbers;
 mod patch;
-mod point;
-mod prepare;
-mod range;
-mod ray;
-mod reach;
-mod real;
-mod record;
-mod rim;
-mod sides;
-mod single;
-mod sphere;
-mod vector;
+mod store;
 
 #[cfg(test)]
 mod packet_tests;
 #[cfg(test)]
 mod tests;
 
-pub use block::PatchBlock;
-pub use columns::in_columns;
-pub use dual::Dual;
-pub use finish::MAX_PARTS;
-pub use flags::{BoundsKind, PatchFlags, Surface};
-pub use hit::{Hit, Solver};
-pub use hull::Interval;
-pub use kept::{Corners, KeptPatch};
-pub use lanes::{Lanes, PATCHES, PatchMask, Patches, Quad};
-pub use outline::Outline;
-pub use packet::load_lanes;
-pub use packet::{HitLanes, MAX_LANES, RayLanes};
-pub use pairs::{PairHit, PairHits};
-pub use patch::{FlatReason, Patch, PatchKind};
-pub use point::SurfacePoint;
-pub use prepare::Prepared;
-pub use ray::{Ray, Segment};
-pub use reach::Reach;
-pub use real::{Constant, Jet, Mask, Real, Scalar};
-pub use real::{inlined, three};
-pub use record::PatchRecord;
-pub use sphere::Sphere;
-pub use vector::{Vector, vector};
+pub use bounds::Reach;
+pub use build::Prepared;
+pub use evaluate::SurfacePoint;
+pub use intersect::{
+    Hit, HitLanes, Interval, MAX_PARTS, PairHit, PairHits, Ray, RayLanes, Segment, Solver,
+};
+pub use numbers::{
+    Constant, Dual, Jet, Lanes, MAX_LANES, Mask, PATCHES, PatchMask, Patches, Quad, Real, Scalar,
+    Vector, inlined, load_lanes, three, vector,
+};
+pub use patch::{BoundsKind, Corners, FlatReason, Patch, PatchFlags, PatchKind, Sphere, Surface};
+pub use store::{KeptPatch, Outline, PatchBlock, PatchRecord, in_columns};

@@ -3,8 +3,8 @@
 
 use fearless_simd::Level;
 
-use super::tests::{Random, V, fuses, rounded};
 use super::*;
+use crate::tests::{Random, V, fuses, rounded};
 
 /// Every instruction set this machine has, best first.
 fn all_levels() -> Vec<Level> {

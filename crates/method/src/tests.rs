@@ -4,14 +4,13 @@
 use fearless_simd::Level;
 use proptest::prelude::*;
 
-use super::ray::Segment;
 use super::*;
 
-pub(super) type V = Vector<f64>;
+pub(crate) type V = Vector<f64>;
 
 /// Whether a level rounds a product and a sum once, as numbers alone do: then lanes are numbers alone, bit for
 /// bit.
-pub(super) fn fuses(level: Level) -> bool {
+pub(crate) fn fuses(level: Level) -> bool {
     #[cfg(target_arch = "x86_64")]
     return level.as_avx2().is_some();
     #[cfg(target_arch = "aarch64")]
@@ -21,7 +20,7 @@ pub(super) fn fuses(level: Level) -> bool {
 }
 
 /// splitmix64: random numbers that are the same everywhere.
-pub(super) struct Random(pub u64);
+pub(crate) struct Random(pub u64);
 
 impl Random {
     pub fn unit(&mut self) -> f64 {
@@ -75,11 +74,11 @@ impl Random {
     }
 }
 
-pub(super) fn in_f32(v: V) -> V {
+pub(crate) fn in_f32(v: V) -> V {
     Vector::<f32>::from_f64(v).to_f64()
 }
 
-pub(super) fn rounded(p: [V; 3]) -> [Vector<f32>; 3] {
+pub(crate) fn rounded(p: [V; 3]) -> [Vector<f32>; 3] {
     p.map(Vector::<f32>::from_f64)
 }
 

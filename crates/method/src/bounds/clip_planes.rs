@@ -1,0 +1,122 @@
+//! The planes of the volume that a ray is clipped to.
+
+use crate::numbers::{Constant, Real, Scalar, Vector, inlined};
+use crate::patch::{Frame, HalfSpace, Hull, Sphere, roots};
+
+/// How far beyond its sides a patch is still searched, in barycentric coordinates, before the
+/// ray's own rounding: a guard, so that no ray slips between neighbours.
+pub(crate) const OVERLAP_EPSILONS: f64 = 256.0;
+
+/// What a ray from one unit away moves by rounding, in units of epsilon.
+pub(crate) const RAY_EPSILONS: f64 = 4.0;
+
+impl<S: Constant> Hull<S> {
+    /// The hull of a patch with these least and greatest heights, or with a sphere in their place; of a
+    /// plane triangle, not a thin one, without heights.
+    #[inline(always)]
+    pub fn around(
+        frame: &Frame<S>,
+        normals: &[Vector<S>; 3],
+        slab: Option<[S; 2]>,
+        sphere: Option<Sphere<S>>,
+    ) -> Self {
+        let constant = inlined(
+            #[inline(always)]
+            |value: f64| frame.area2.constant(value),
+        );
+        let up = frame.cross * frame.winding;
+        // Of the guides below.
+        let longest_guide = match slab {
+            Some(_) => constant(2.0),
+            None => frame.area2,
+        };
+        let lengths = roots(frame.lengths2);
+        let side = inlined(
+            #[inline(always)]
+            |k: usize| {
+                // The guides' plane through the side; it stands upright where the triangle is flat.
+                let guide = match slab {
+                    Some(_) => normals[k] + normals[(k + 1) % 3],
+                    None => up,
+                };
+                let reach = longest_guide * lengths[k];
+                HalfSpace::of_sides(frame.edges[k], guide, up, frame.winding, reach)
+            },
+        );
+        // A flat triangle's slab has no thickness: there the crossing of its plane decides.
+        let [below, above] = match slab {
+            Some([least, most]) if sphere.is_none() => [-least * frame.area2, most * frame.area2],
+            _ => [constant(f64::INFINITY); 2],
+        };
+        Self {
+            origin: frame.origin,
+            unit: frame.size.per_power_of_two(),
+            planes: [
+                side(0),
+                side(1).through(frame.edges[0]),
+                side(2),
+                HalfSpace::level(up, below, frame.area2),
+                HalfSpace::level(-up, above, frame.area2),
+            ],
+            sphere,
+            thin: None,
+            exists: true,
+        }
+    }
+}
+
+impl<V: Real> HalfSpace<V> {
+    /// Through a side that begins at the origin, along a guide of the side of any length; `up` is the
+    /// triangle's normal, twice its area long, and `reach` is about as long as the normal will be.
+    #[inline(always)]
+    pub fn of_sides(
+        edge: Vector<V>,
+        guide: Vector<V>,
+        up: Vector<V>,
+        winding: V,
+        reach: V,
+    ) -> Self {
+        // The value at the opposite vertex: a barycentric coordinate of 1.
+        let whole = guide.dot(up);
+        Self {
+            normal: guide.cross(edge) * winding,
+            offset: whole * whole.constant(V::Scalar::PRECISION * OVERLAP_EPSILONS),
+            spread: reach * reach.constant(V::Scalar::PRECISION * RAY_EPSILONS),
+        }
+    }
+
+    /// The same where the side begins elsewhere.
+    #[inline(always)]
+    pub fn through(self, way: Vector<V>) -> Self {
+        Self {
+            offset: self.offset - self.normal.dot(way),
+            ..self
+        }
+    }
+
+    /// Across the triangle's normal or its opposite, that far from the origin times twice the area.
+    #[inline(always)]
+    pub fn level(normal: Vector<V>, offset: V, area2: V) -> Self {
+        Self {
+            normal,
+            offset,
+            spread: area2 * area2.constant(V::Scalar::PRECISION * RAY_EPSILONS),
+        }
+    }
+}
+
+impl<S: Scalar> Hull<S> {
+    /// The same of a plane triangle of any height as well.
+    #[inline(always)]
+    pub fn new(
+        frame: &Frame<S>,
+        normals: &[Vector<S>; 3],
+        slab: Option<[S; 2]>,
+        sphere: Option<Sphere<S>>,
+    ) -> Self {
+        Self {
+            thin: (slab.is_none() && frame.is_thin()).then_some(frame.area2),
+            ..Self::around(frame, normals, slab, sphere)
+        }
+    }
+}

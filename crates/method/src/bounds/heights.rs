@@ -1,0 +1,417 @@
+//! Height bounds, and whether the method can take a triangle: all conservative.
+//!
+//! The height over a foot is `h = sum b_i C_i q_i`, where `C_i` is how far the foot is from the
+//! sphere of vertex i and `q_i = 1 / (B_i + sqrt(B_i^2 - A_i C_i))`. The products `b_i C_i` are
+//! cubic Bernstein forms with coefficients that follow from the sides' curvatures, and `q_i` stays
+//! within a range over the triangle; so ten coefficients, each with a range, bound the height, and
+//! with the control points of the plane triangle they bound the surface itself.
+
+use crate::evaluate::MIN_DAMPING_FACTOR;
+use crate::numbers::{Constant, Range, Real, each, inlined, three};
+use crate::patch::{Patch, Rule, next};
+
+/// Least share of `n.nc` that `B` must keep for the guides to reach the spheres.
+const MIN_REACH: f64 = 0.1;
+/// Least `(B^2 - A C) / B^2` at which the curvature tensor is taken.
+const MIN_DISCRIMINANT: f64 = 0.1;
+/// Greatest bound on the height, in units of the patch's size, at which a triangle is still taken:
+/// beyond it the normals contradict the triangle, and its box would cover half the scene.
+const MAX_HEIGHT: f64 = 8.0;
+/// The same in units of the sides' greatest bend. The angular rule blows up on needles: a little
+/// angle away from a long side it adds much of the short side's curvature, all along the length.
+const MAX_HEIGHT_TO_BEND: f64 = 8.0;
+
+/// What bounds the heights that one vertex's sphere asks for.
+#[derive(Clone, Copy)]
+struct VertexSpread<S> {
+    /// Bernstein coefficients of `C_i`: at the side midpoints ij, ik, jk and the corners j, k.
+    middles: [Range<S>; 3],
+    corners: [Range<S>; 2],
+    /// Range of `B_i`.
+    half_b: Range<S>,
+    /// Least `B_i^2 - A_i C_i`.
+    discriminant: S,
+    /// Range of `q_i`.
+    reach: Range<S>,
+}
+
+/// Greatest curvature, in units of the longest side, at which the angular rule is taken: it takes
+/// the difference of two angles times this, and in `f32` the rest is rounding.
+const MAX_ANGULAR_CURVATURE: f64 = 30.0;
+
+/// The ranges of everything the heights depend on.
+pub(crate) struct Spread<S: Real> {
+    vertices: [VertexSpread<S>; 3],
+    damping: Range<S>,
+    /// Whether the rule is well conditioned on a triangle of this shape.
+    conditioned: S::Mask,
+}
+
+/// Bounds what each vertex's sphere asks for, under the patch's present rule.
+#[inline(always)]
+pub(crate) fn spread<S: Constant>(patch: &Patch<S>) -> Spread<S> {
+    let constant = inlined(
+        #[inline(always)]
+        |value: f64| patch.area2.constant(value),
+    );
+    let one = constant(1.0);
+    let [a, b, c] = &patch.sides;
+    let damping = a.damping.greater(b.damping).greater(c.damping);
+    // kappa_12 b1 b2 + kappa_23 b2 b3 + kappa_31 b3 b1 is at most a third of the greatest kappa.
+    let least = (one - damping * constant(1.0 / 3.0)).greater(constant(MIN_DAMPING_FACTOR));
+    let curvatures = three(
+        #[inline(always)]
+        |i| curvature_range(patch, i),
+    );
+    let mut conditioned = one.mask(true);
+    if patch.rule == Rule::Angular {
+        let length2 = a.length2.greater(b.length2).greater(c.length2);
+        each(
+            #[inline(always)]
+            |i| {
+                let bent = curvatures[i].max_abs() * length2;
+                conditioned = conditioned & bent.less(constant(MAX_ANGULAR_CURVATURE));
+            },
+        );
+    }
+    Spread {
+        vertices: three(
+            #[inline(always)]
+            |i| vertex_spread(patch, i, curvatures[i]),
+        ),
+        damping: Range { lo: least, hi: one },
+        conditioned,
+    }
+}
+
+#[inline(always)]
+fn vertex_spread<S: Constant>(patch: &Patch<S>, i: usize, curvature: Range<S>) -> VertexSpread<S> {
+    let (zero, one) = (patch.area2.constant(0.0), patch.area2.constant(1.0));
+    let (middles, corners) = offset_coefficients(patch, i, curvature);
+    let offset = Range::of(zero).hull(middles[0]).hull(middles[1]);
+    let offset = offset.hull(middles[2]).hull(corners[0]).hull(corners[1]);
+    let (half_b, guide2) = half_b_range(patch, i, curvature);
+    let product = curvature.times(guide2).times(offset);
+    let low = half_b.lo.greater(zero);
+    let discriminant = low * low - product.hi.greater(zero);
+    let most = Real::sqrt(half_b.hi * half_b.hi - product.lo.lesser(zero));
+    let reach = Range {
+        lo: one / (half_b.hi + most),
+        hi: one / (low + Real::sqrt(discriminant.greater(zero))),
+    };
+    VertexSpread {
+        middles,
+        corners,
+        half_b,
+        discriminant,
+        reach,
+    }
+}
+
+/// Ranges of `B_i = n.g - c d.g` and of `|g|^2`.
+#[inline(always)]
+fn half_b_range<S: Constant>(
+    patch: &Patch<S>,
+    i: usize,
+    curvature: Range<S>,
+) -> (Range<S>, Range<S>) {
+    let (zero, one) = (patch.area2.constant(0.0), patch.area2.constant(1.0));
+    let vertex = &patch.vertices[i];
+    let mut half_b = Range::of(vertex.normal);
+    let mut guide2 = Range::of(one);
+    each(
+        #[inline(always)]
+        |k| {
+            let side = &patch.sides[k];
+            // In the sub-triangle of side k the guide is nc + lean (1 - s) w, and d.w is y, at most a
+            // third of the height, less the vertex's own y.
+            let own = if k == next(i) { side.height } else { zero };
+            let third = side.height * one.constant(1.0 / 3.0);
+            let way = Range {
+                lo: -own,
+                hi: third - own,
+            };
+            let inward = curvature.times(way).scaled(-one);
+            let inward = inward.plus(Range::of(vertex.inward[k]));
+            let leaning = Range::between(zero, side.lean).times(inward);
+            half_b = half_b.hull(leaning.plus(Range::of(vertex.normal)));
+            guide2.hi = guide2.hi.greater(one + side.lean * side.lean);
+        },
+    );
+    (half_b, guide2)
+}
+
+/// The curvatures that occur at vertex `i`.
+#[inline(always)]
+fn curvature_range<S: Constant>(patch: &Patch<S>, i: usize) -> Range<S> {
+    let (j, k) = (next(i), next(next(i)));
+    let (to_j, to_k) = (&patch.sides[i], &patch.sides[k]);
+    let (at_j, at_k) = (to_j.bend[0] / to_j.length2, to_k.bend[1] / to_k.length2);
+    let ends = Range::between(at_j, at_k);
+    if patch.rule != Rule::Tensor {
+        return ends;
+    }
+    // c(phi) = mean + radius cos(2 (phi - phi0)) over the angle at the vertex: beside its ends it
+    // has an extreme inside exactly if it falls, or rises, away from both.
+    let (zero, half) = (at_j.constant(0.0), at_j.constant(0.5));
+    let (length_j, length_k) = (Real::sqrt(to_j.length2), Real::sqrt(to_k.length2));
+    let product = length_j * length_k;
+    let (cosine, sine) = (patch.vertices[i].between / product, patch.area2 / product);
+    let mixed = (to_j.bend[0] + to_k.bend[1] - patch.mean_bend(j)) * half / product;
+    let away_from_k = (mixed - at_k * cosine) / sine;
+    let away_from_j = (mixed - at_j * cosine) / sine;
+    let perpendicular =
+        (at_j - at_k * cosine * cosine - away_from_k * cosine * sine * at_j.constant(2.0))
+            / (sine * sine);
+    let mean = (at_k + perpendicular) * half;
+    let difference = (at_k - perpendicular) * half;
+    let radius = Real::sqrt(difference * difference + away_from_k * away_from_k);
+    let rises = zero.at_most(away_from_k) & zero.at_most(away_from_j);
+    let falls = away_from_k.at_most(zero) & away_from_j.at_most(zero);
+    Range {
+        lo: S::select(falls, ends.lo.lesser(mean - radius), ends.lo),
+        hi: S::select(rises, ends.hi.greater(mean + radius), ends.hi),
+    }
+}
+
+/// Bernstein coefficients of `C_i`: see [`VertexSpread`].
+type Offsets<S> = ([Range<S>; 3], [Range<S>; 2]);
+
+/// Quadratic Bernstein coefficients of `C_i`, before damping.
+#[inline(always)]
+fn offset_coefficients<S: Constant>(patch: &Patch<S>, i: usize, curvature: Range<S>) -> Offsets<S> {
+    let (j, k) = (next(i), next(next(i)));
+    let (to_j, to_k) = (&patch.sides[i], &patch.sides[k]);
+    let half = patch.area2.constant(-0.5);
+    let (bend_j, bend_k) = (to_j.bend[0], to_k.bend[1]);
+    let (near_j, near_k) = (Range::of(bend_j * half), Range::of(bend_k * half));
+    if patch.rule == Rule::Tensor {
+        let across = Range::of(patch.mean_bend(j) * half);
+        return ([near_j, near_k, across], [Range::zero(half); 2]);
+    }
+    // C = c |d|^2 - 2 n.d with c anywhere between the two sides' curvatures.
+    let between = patch.vertices[i].between;
+    let anywhere = (
+        [
+            near_j,
+            near_k,
+            curvature.scaled(between).plus(near_j).plus(near_k),
+        ],
+        [
+            curvature.scaled(to_j.length2).plus(Range::of(-bend_j)),
+            curvature.scaled(to_k.length2).plus(Range::of(-bend_k)),
+        ],
+    );
+    let by_angle = by_angle(patch, i);
+    let width = |of: &Offsets<S>| of.0[2].max_abs() + of.1[0].max_abs() + of.1[1].max_abs();
+    let narrower = width(&by_angle).less(width(&anywhere));
+    let choose = |a, b| Range::select(narrower, a, b);
+    (
+        three(|n| choose(by_angle.0[n], anywhere.0[n])),
+        [0, 1].map(|n| choose(by_angle.1[n], anywhere.1[n])),
+    )
+}
+
+/// The same for the angular rule on thin triangles, where the direction to a point at the far end
+/// of a long side is all but that side's own.
+///
+/// With u the share of the angle, `u |d|^2 = b_j l_j |d| (theta' / theta) (sin theta / sin theta')`,
+/// which lies between `s b_j l_j (b_j l_j + b_k l_k cos theta)`, s being `sin theta / theta`, and
+/// `b_j l_j (b_j l_j + b_k l_k)`; likewise for `1 - u`.
+fn by_angle<S: Constant>(patch: &Patch<S>, i: usize) -> Offsets<S> {
+    let k = next(next(i));
+    let (to_j, to_k) = (&patch.sides[i], &patch.sides[k]);
+    let between = patch.vertices[i].between;
+    let (bend_j, bend_k) = (to_j.bend[0], to_k.bend[1]);
+    let [zero, half, one] = [0.0, 0.5, 1.0].map(|value| between.constant(value));
+    let product = Real::sqrt(to_j.length2 * to_k.length2);
+    let least = patch.area2 / product * patch.vertices[i].inverse_angle;
+    let share = Range {
+        lo: (least * between).lesser(zero),
+        hi: product,
+    }
+    .scaled(half);
+    let mixed = share
+        .scaled(bend_j / to_j.length2)
+        .plus(share.scaled(bend_k / to_k.length2))
+        .plus(Range::of(-(bend_j + bend_k) * half));
+    let corner = |bend: S| Range::between(bend * (least - one), zero);
+    (
+        [Range::of(-bend_j * half), Range::of(-bend_k * half), mixed],
+        [corner(bend_j), corner(bend_k)],
+    )
+}
+
+impl<S: Constant> Spread<S> {
+    /// Whether the curvature tensor may be used: no guide comes near to missing a sphere.
+    #[inline(always)]
+    pub fn is_tame(&self) -> S::Mask {
+        let share = self.damping.hi.constant(MIN_DISCRIMINANT);
+        let mut tame = self.reaches();
+        each(
+            #[inline(always)]
+            |i| {
+                let b = self.vertices[i].half_b.lo;
+                tame = tame & (share * b * b).less(self.vertices[i].discriminant);
+            },
+        );
+        tame
+    }
+
+    /// Whether every guide meets every vertex's sphere from above (a miss by rounding is taken as
+    /// a touch).
+    #[inline(always)]
+    pub fn reaches(&self) -> S::Mask {
+        let least = self.damping.hi.constant(MIN_REACH);
+        let zero = self.damping.hi.constant(0.0);
+        let mut reaches = self.conditioned;
+        each(
+            #[inline(always)]
+            |i| {
+                let vertex = &self.vertices[i];
+                // Zero times what is not finite is no number.
+                let finite = (vertex.reach.hi * zero).at_most(zero);
+                reaches = reaches & least.less(vertex.half_b.lo) & finite;
+            },
+        );
+        reaches
+    }
+}
+
+/// Bernstein coefficients of the height, each with its range: the three corners are zero, then
+/// the sides' inner points and the centre.
+pub(crate) struct HeightNet<S> {
+    /// `[near first, near second]` of each side.
+    pub sides: [[Range<S>; 2]; 3],
+    pub centre: Range<S>,
+}
+
+impl<S: Constant> HeightNet<S> {
+    /// Without the correction.
+    #[inline(always)]
+    pub fn new(patch: &Patch<S>, spread: &Spread<S>) -> Self {
+        let third = patch.area2.constant(1.0 / 3.0);
+        let reach = three(
+            #[inline(always)]
+            |i| spread.vertices[i].reach.times(spread.damping),
+        );
+        let middle = inlined(
+            #[inline(always)]
+            |i: usize, at: usize| spread.vertices[i].middles[at].times(reach[i]),
+        );
+        let corner = inlined(
+            #[inline(always)]
+            |i: usize, at: usize| spread.vertices[i].corners[at].times(reach[i]),
+        );
+        let sides = three(
+            #[inline(always)]
+            |k| {
+                let (i, j) = (k, next(k));
+                // b_i^2 b_j: twice from vertex i's middle, once from vertex j's corner at i.
+                let near_first = middle(i, 0).plus(middle(i, 0)).plus(corner(j, 1));
+                let near_second = middle(j, 1).plus(middle(j, 1)).plus(corner(i, 0));
+                [near_first.scaled(third), near_second.scaled(third)]
+            },
+        );
+        let across = middle(0, 2).plus(middle(1, 2)).plus(middle(2, 2));
+        Self {
+            sides,
+            centre: across.scaled(third),
+        }
+    }
+
+    /// With the patch's correction.
+    #[inline(always)]
+    pub fn corrected(self, patch: &Patch<S>) -> Self {
+        let like = patch.area2;
+        let loose = loose_reach(patch) * like.constant(1.0 / 9.0);
+        let widened = inlined(
+            #[inline(always)]
+            |[first, second]: [Range<S>; 2]| [first.widened(loose), second.widened(loose)],
+        );
+        let [a, b, c] = self.sides;
+        let turned = correction_range(patch).scaled(like.constant(1.0 / 6.0));
+        Self {
+            sides: [widened(a), widened(b), widened(c)],
+            centre: self.centre.plus(turned),
+        }
+    }
+
+    /// The range of all heights.
+    #[inline(always)]
+    fn hull(&self) -> Range<S> {
+        let mut hull = Range::zero(self.centre.lo);
+        each(
+            #[inline(always)]
+            |k| hull = hull.hull(self.sides[k][0]).hull(self.sides[k][1]),
+        );
+        hull.hull(self.centre)
+    }
+
+    /// Whether the heights stay within what a triangle of this size, with sides that bend this
+    /// much, may stand for.
+    #[inline(always)]
+    pub fn is_low(&self, patch: &Patch<S>) -> S::Mask {
+        let constant = inlined(
+            #[inline(always)]
+            |value: f64| patch.area2.constant(value),
+        );
+        let mut bend = constant(0.0);
+        each(
+            #[inline(always)]
+            |k| {
+                let [first, second] = patch.sides[k].bend;
+                bend = bend.greater(first.abs()).greater(second.abs());
+            },
+        );
+        let most = (bend * constant(MAX_HEIGHT_TO_BEND)).lesser(constant(MAX_HEIGHT));
+        self.hull().max_abs().at_most(most)
+    }
+
+    /// Least and greatest height, with room for rounding.
+    #[inline(always)]
+    pub fn slab(&self) -> [S; 2] {
+        let hull = self.hull();
+        let like = hull.lo;
+        let room = hull.max_abs() * like.constant(1e-3) + like.constant(32.0 * S::PRECISION);
+        let hull = hull.widened(room);
+        [hull.lo, hull.hi]
+    }
+}
+
+/// How far loose ends let the correction reach: it is at most this times a third of
+/// `b1 b2 + b2 b3 + b3 b1`, since dividing by a loose end's share at most doubles what is left of
+/// the bubble, and `b1 b2 b3` is at most a third of that sum's square.
+#[inline(always)]
+fn loose_reach<S: Constant>(patch: &Patch<S>) -> S {
+    let mut most = patch.area2.constant(0.0);
+    each(
+        #[inline(always)]
+        |k| {
+            let [first, second] = patch.sides[k].loose.map(u32::from);
+            if first + second > 0 {
+                let doubled = most.constant(f64::from(1u32 << (first + second)));
+                most = most.greater(slope_range(patch, k).max_abs() * doubled);
+            }
+        },
+    );
+    most
+}
+
+/// The values a side's slope takes.
+#[inline(always)]
+fn slope_range<S: Constant>(patch: &Patch<S>, k: usize) -> Range<S> {
+    let [c0, c1, c2] = patch.sides[k].correction;
+    let middle = Range::of(c0 + c1 * c1.constant(0.5));
+    Range::of(c0).hull(middle).hull(Range::of(c0 + c1 + c2))
+}
+
+/// The values the correction's weighted slope takes.
+#[inline(always)]
+fn correction_range<S: Constant>(patch: &Patch<S>) -> Range<S> {
+    let [a, b, c] = three(
+        #[inline(always)]
+        |k| slope_range(patch, k),
+    );
+    a.hull(b).hull(c).widened(loose_reach(patch))
+}

@@ -1,0 +1,13 @@
+//! What bounds a surface.
+
+mod boxes;
+mod clip_planes;
+mod heights;
+mod reach;
+mod sphere;
+mod unevenness;
+
+pub(crate) use clip_planes::{OVERLAP_EPSILONS, RAY_EPSILONS};
+pub(crate) use heights::{HeightNet, spread};
+pub use reach::Reach;
+pub(crate) use unevenness::HEIGHT;

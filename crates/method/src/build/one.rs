@@ -1,0 +1,156 @@
+//! One curved triangle: everything about it that does not depend on the ray.
+//!
+//! All lengths inside a patch are in units of its `size`, a power of two, with the first vertex as
+//! the origin. Scaling by a power of two is exact, so what belongs to a side comes out bit-equal
+//! in both triangles that share it.
+
+use super::correction::fit;
+use super::validity::{folds, shears};
+use crate::bounds::{HeightNet, spread};
+use crate::numbers::{Constant, Scalar, Vector};
+use crate::patch::{
+    BoundsKind, FlatReason, Frame, Hull, Patch, PatchFlags, PatchKind, Rule, SLIVER_AREA, Sphere,
+    Surface,
+};
+use crate::store::{PatchRecord, pack_unevenness, unpack_unevenness};
+
+impl<S: Scalar> Patch<S> {
+    /// The curved triangle over three positions with unit normals.
+    ///
+    /// A pure function of its arguments: any two calls give the same patch. Positions may be in
+    /// any units; the patch's own rays and points are in the same ones. What the method cannot
+    /// take becomes flat or degenerate; see [`Patch::kind`].
+    pub fn new(positions: [Vector<S>; 3], normals: [Vector<S>; 3], flags: PatchFlags) -> Self {
+        Self::with_net(positions, normals, flags).0
+    }
+
+    /// What is kept of the patch, and its box.
+    pub(crate) fn prepared(
+        positions: [Vector<S>; 3],
+        normals: [Vector<S>; 3],
+        flags: PatchFlags,
+    ) -> (PatchRecord, [Vector<S>; 2]) {
+        let (patch, net) = Self::with_net(positions, normals, flags);
+        (patch.record(flags), patch.bounds_by(net.as_ref()))
+    }
+
+    /// The patch and what bounds its heights, unless it is flat.
+    fn with_net(
+        positions: [Vector<S>; 3],
+        normals: [Vector<S>; 3],
+        flags: PatchFlags,
+    ) -> (Self, Option<HeightNet<S>>) {
+        let Some(frame) = Frame::new(&positions, &normals) else {
+            return (Self::empty(positions[0]), None);
+        };
+        let mut patch = Self::laid(&frame, &normals, flags);
+        let mut sphere = None;
+        let net = match patch.curve(&normals, flags) {
+            Ok(net) => {
+                if flags.bounds() == BoundsKind::Sphere {
+                    sphere = Some(Sphere::around(&frame, &patch, &net));
+                }
+                patch.slab = net.slab();
+                if !flags.is_unchecked() {
+                    let kept = pack_unevenness(patch.unevenness(&normals));
+                    patch.unevenness = S::from_f64(unpack_unevenness(kept).into());
+                }
+                Some(net)
+            }
+            Err(reason) => {
+                patch.flatten(reason);
+                None
+            }
+        };
+        patch.hull = Hull::new(&frame, &normals, patch.curved_slab(), sphere);
+        (patch, net)
+    }
+
+    /// Why the triangle has to be flat whatever it would be curved to.
+    fn flat_reason(&self, normals: &[Vector<S>; 3], flags: PatchFlags) -> Option<FlatReason> {
+        if flags.is_plane() {
+            Some(FlatReason::Plane)
+        } else if flags.is_flat() {
+            Some(FlatReason::Asked)
+        } else if self.area2 < S::from_f64(SLIVER_AREA) {
+            Some(FlatReason::Sliver)
+        } else if !self.agrees(normals) {
+            Some(FlatReason::BackNormal)
+        } else {
+            None
+        }
+    }
+
+    /// Chooses the rule, adds the correction, and bounds the heights.
+    fn curve(
+        &mut self,
+        normals: &[Vector<S>; 3],
+        flags: PatchFlags,
+    ) -> Result<HeightNet<S>, FlatReason> {
+        if let Some(reason) = self.flat_reason(normals, flags) {
+            return Err(reason);
+        }
+        if self.rule == Rule::Angular {
+            self.set_angles();
+        }
+        let mut looked_at = self.look();
+        if !flags.is_unchecked() {
+            if self.rule == Rule::Tensor && !(looked_at.tame & looked_at.low) {
+                self.rule = Rule::Angular;
+                self.kind = PatchKind::Fallback;
+                self.set_angles();
+                looked_at = self.look();
+            }
+            if !(looked_at.reaches & looked_at.low) || shears(self) {
+                return Err(FlatReason::Bend);
+            }
+            if folds(self) {
+                return Err(FlatReason::Fold);
+            }
+        }
+        if flags.surface() == Surface::Smooth {
+            self.correct(flags);
+        }
+        Ok(looked_at.net.corrected(self))
+    }
+
+    /// As [`Patch::looked_at`]; asked for twice, but there once.
+    #[inline(never)]
+    fn look(&self) -> LookedAt<S> {
+        self.looked_at()
+    }
+}
+
+impl<S: Constant> Patch<S> {
+    /// What the bounds say of the surface by the present rule.
+    #[inline(always)]
+    pub(crate) fn looked_at(&self) -> LookedAt<S> {
+        let spread = spread(self);
+        let net = HeightNet::new(self, &spread);
+        LookedAt {
+            tame: spread.is_tame(),
+            reaches: spread.reaches(),
+            low: net.is_low(self),
+            net,
+        }
+    }
+
+    /// Adds the correction.
+    #[inline(always)]
+    pub(crate) fn correct(&mut self, flags: PatchFlags) {
+        fit(self, flags);
+        self.round_correction();
+    }
+}
+
+/// What bounds say of a surface.
+pub(crate) struct LookedAt<S: Constant> {
+    /// Whether the curvature tensor may be used.
+    pub tame: S::Mask,
+    /// Whether every guide meets every sphere.
+    pub reaches: S::Mask,
+    /// Whether it stays near to the triangle.
+    pub low: S::Mask,
+    /// The heights, without the correction.
+    pub net: HeightNet<S>,
+}

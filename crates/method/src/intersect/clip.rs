@@ -1,0 +1,140 @@
+//! What a ray is clipped to: a patch's three side planes (5) and the slab between its least and its
+//! greatest height.
+
+use super::ray::{Ray, localized};
+use crate::bounds::{OVERLAP_EPSILONS, RAY_EPSILONS};
+use crate::numbers::{Mask, Real, Scalar, Vector};
+use crate::patch::{Hull, Sphere};
+use crate::store::Outline;
+
+/// The least sine of a grazing angle that is made up for on thin triangles.
+const LEAST_SINE: f64 = 1e-6;
+
+/// The plane below the surface, whose normal is the triangle's.
+const UP: usize = 3;
+
+/// A ray's way clipped to where a surface can be, in the ray's parameter: the paper's options 1 to 5
+/// are all this one interval (section 4.8).
+#[derive(Clone, Copy, Debug)]
+pub struct Interval<V: Real> {
+    pub(crate) start: V,
+    pub(crate) length: V,
+    /// Whether there is such an interval.
+    pub(crate) alive: V::Mask,
+}
+
+impl<S: Scalar> Hull<S> {
+    /// The part of the ray within all planes; none in lanes that are not valid.
+    #[inline(always)]
+    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Interval<V> {
+        let [from, along] = localized(ray, self.origin, self.unit);
+        let like = ray.tnear;
+        let zero = like.constant(0.0);
+        let distance = from.max_abs();
+        // Not cut at the ray's end, which is the nearest hit so far: the root must not depend on the
+        // order in which patches are come by.
+        let (mut lo, mut hi) = (like, like.constant(f64::INFINITY));
+        let mut alive = valid & like.mask(self.exists);
+        let grazing = self.grazing(along, distance);
+        for plane in &self.planes {
+            let normal = Vector::splat(like, plane.normal);
+            let offset = like
+                .splat(plane.spread)
+                .mul_add(distance, like.splat(plane.offset));
+            let mut value = normal.dot(from) + offset;
+            let rate = normal.dot(along);
+            if let Some([reach, later]) = grazing {
+                value = value + reach * (rate.abs() * later + like.splat(plane.spread));
+            }
+            let crossing = -(value / rate);
+            let (enters, leaves) = (zero.less(rate), rate.less(zero));
+            lo = V::select(enters, crossing, lo).greater(lo);
+            hi = V::select(leaves, crossing, hi).lesser(hi);
+            alive = alive & (enters | leaves | zero.at_most(value));
+        }
+        if let Some(sphere) = &self.sphere {
+            let (enters, leaves, meets) = sphere.chord(from, along, distance);
+            lo = enters.greater(lo);
+            hi = leaves.lesser(hi);
+            alive = alive & meets;
+        }
+        Interval {
+            start: lo,
+            length: hi - lo,
+            alive: alive & lo.at_most(hi) & lo.at_most(ray.tfar),
+        }
+    }
+
+    /// For the rays at a thin triangle: how far rounding reaches, in its epsilons, and how much later
+    /// than they would they cross the plane for it.
+    #[inline(always)]
+    fn grazing<V: Real<Scalar = S>>(&self, along: Vector<V>, distance: V) -> Option<[V; 2]> {
+        let area2 = self.thin?;
+        let epsilons = S::EPSILON * S::from_f64(RAY_EPSILONS);
+        let rise = Vector::splat(distance, self.planes[UP].normal).dot(along);
+        let least = along.length() * distance.splat(area2 * S::from_f64(LEAST_SINE));
+        let later = distance.splat(area2 * epsilons) / rise.abs().greater(least);
+        Some([distance + distance.constant(1.0), later])
+    }
+}
+
+impl<V: Real> Interval<V> {
+    /// Whether no lane's ray comes near the surface.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        !self.alive.any()
+    }
+}
+
+impl<S: Scalar> Interval<S> {
+    /// The same interval in all lanes of a value like this one.
+    #[inline(always)]
+    pub(crate) fn in_lanes<V: Real<Scalar = S>>(&self, like: V) -> Interval<V> {
+        Interval {
+            start: like.splat(self.start),
+            length: like.splat(self.length),
+            alive: like.mask(self.alive),
+        }
+    }
+}
+
+impl<S: Scalar> Sphere<S> {
+    /// Where a line enters the sphere and leaves it, and whether it does; in the units of the patch,
+    /// of a ray that comes from this distance.
+    ///
+    /// The sphere goes through the vertices, where rounding must not lose a ray: so it is taken a
+    /// guard larger. The chord is computed from the point nearest to the centre, which loses no digits
+    /// to the way there.
+    #[inline(always)]
+    pub(crate) fn chord<V: Real<Scalar = S>>(
+        &self,
+        from: Vector<V>,
+        along: Vector<V>,
+        distance: V,
+    ) -> (V, V, V::Mask) {
+        let like = distance;
+        let ulps = like.splat(S::EPSILON * S::from_f64(2.0 * RAY_EPSILONS));
+        let guard = distance * ulps + like.splat(S::EPSILON * S::from_f64(OVERLAP_EPSILONS));
+        let radius = like.splat(self.radius) + guard;
+        // Squares of very short and of very long directions are out of range.
+        let scale = like.constant(1.0) / along.max_abs();
+        let direction = along * scale;
+        let length2 = direction.dot(direction);
+        let to_start = from - Vector::splat(like, self.centre);
+        let nearest = -(to_start.dot(direction) / length2);
+        let beside = to_start + direction * nearest;
+        let square = radius * radius - beside.dot(beside);
+        let zero = like.constant(0.0);
+        let half = (square.greater(zero) / length2).sqrt();
+        let (enter, leave) = ((nearest - half) * scale, (nearest + half) * scale);
+        (enter, leave, zero.at_most(square))
+    }
+}
+
+impl<S: Scalar> Outline<'_, S> {
+    /// Where the ray can meet the surface at all, in the valid lanes.
+    #[inline(always)]
+    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Interval<V> {
+        self.hull.clip(ray, valid)
+    }
+}

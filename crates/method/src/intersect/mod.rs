@@ -1,0 +1,24 @@
+//! Where rays meet a patch.
+
+mod bracketing;
+mod clip;
+mod hit;
+mod ita;
+mod lane_search;
+mod packet;
+mod pairs;
+mod paraboloid;
+mod ray;
+mod root;
+mod search;
+mod secant;
+mod segment;
+mod single;
+
+pub use clip::Interval;
+pub use hit::{Hit, Solver};
+pub use packet::{HitLanes, RayLanes};
+pub use pairs::{PairHit, PairHits};
+pub use ray::Ray;
+pub use root::MAX_PARTS;
+pub use segment::Segment;

@@ -1,0 +1,216 @@
+//! A packet of rays against one patch, on SIMD lanes: the kernel's one source over [`Lanes`], for
+//! whatever instruction set the processor turns out to have.
+
+use fearless_simd::{Level, dispatch, prelude::*};
+
+use super::hit::{Hit, Solver};
+use super::lane_search::{search_lanes, trace_one};
+use super::ray::Ray;
+use super::single::Single;
+use crate::numbers::{LaneMask, Lanes, MAX_LANES, Vector, inlined, vector};
+use crate::store::{KeptPatch, Outline, surface};
+
+/// Up to 16 rays, one slice a component, all of the same length.
+#[derive(Clone, Copy, Debug)]
+pub struct RayLanes<'a> {
+    /// Where `t = 0`: x, y and z.
+    pub origin: [&'a [f32]; 3],
+    /// The way for one unit of `t`: x, y and z.
+    pub direction: [&'a [f32]; 3],
+    /// Least parameters of a hit.
+    pub tnear: &'a [f32],
+    /// Greatest parameters of a hit.
+    pub tfar: &'a [f32],
+}
+
+/// Where the rays of a packet meet the surface first.
+#[derive(Clone, Copy, Debug)]
+pub struct HitLanes {
+    /// The lanes that do, one bit a lane; the other fields are undefined elsewhere.
+    pub found: u32,
+    /// The rays' parameters.
+    pub t: [f32; MAX_LANES],
+    /// `b2` at the guides' feet.
+    pub u: [f32; MAX_LANES],
+    /// `b3` at the guides' feet.
+    pub v: [f32; MAX_LANES],
+    /// The surface's own geometric normals, unit, x, y and z; only where asked for.
+    pub normal: [[f32; MAX_LANES]; 3],
+    /// How often the surface was evaluated, the sum over the lanes.
+    pub evaluations: u32,
+}
+
+/// What is asked of a packet.
+#[derive(Clone, Copy, Debug)]
+struct Asked {
+    valid: u32,
+    solver: Solver,
+    normals: bool,
+}
+
+impl KeptPatch<'_> {
+    /// The first hits with `tnear < t <= tfar` of the lanes of `valid` (one bit a lane), with the
+    /// surface's normals there if `normals`.
+    ///
+    /// Every lane's answer is bit for bit that of [`Patch::intersect`](super::Patch::intersect) and
+    /// [`Patch::normal_at`](super::Patch::normal_at) for its ray alone. Lanes that are not valid may
+    /// hold anything.
+    ///
+    /// # Panics
+    /// If the slices differ in length, or there are more than 16 rays.
+    #[inline]
+    pub fn intersect_packet(
+        &self,
+        rays: &RayLanes<'_>,
+        valid: u32,
+        solver: Solver,
+        normals: bool,
+    ) -> HitLanes {
+        self.intersect_packet_at(Level::new(), rays, valid, solver, normals)
+    }
+
+    /// The same with the instructions of one level.
+    #[inline(always)]
+    pub(crate) fn intersect_packet_at(
+        &self,
+        level: Level,
+        rays: &RayLanes<'_>,
+        valid: u32,
+        solver: Solver,
+        normals: bool,
+    ) -> HitLanes {
+        assert!(rays.tnear.len() <= MAX_LANES, "a packet has up to 16 rays");
+        let there = u32::MAX >> (u32::BITS as usize - MAX_LANES) >> (MAX_LANES - rays.tnear.len());
+        let asked = Asked {
+            // The lanes of a register beyond the packet hold no ray.
+            valid: valid & there,
+            solver,
+            normals,
+        };
+        let mut hits = HitLanes {
+            found: 0,
+            t: [0.0; MAX_LANES],
+            u: [0.0; MAX_LANES],
+            v: [0.0; MAX_LANES],
+            normal: [[0.0; MAX_LANES]; 3],
+            evaluations: 0,
+        };
+        // Laid out within, so that the level's instructions serve that as well.
+        dispatch!(level, simd => trace(simd, &self.outline(), rays, asked, &mut hits));
+        hits
+    }
+
+    /// Where the ray first meets the surface with `tnear < t <= tfar`, and the surface's normal there
+    /// if `normal`, else zeros.
+    ///
+    /// The answer is bit for bit that of [`Patch::intersect`] and [`Patch::normal_at`], but for the count
+    /// of evaluations: a ray that may meet the surface several times has it sampled in many places at
+    /// once, also in those beyond the first root.
+    #[inline]
+    pub fn intersect(
+        &self,
+        ray: &Ray<f32>,
+        solver: Solver,
+        normal: bool,
+    ) -> (Hit<f32>, Vector<f32>) {
+        self.intersect_at(Level::new(), ray, solver, normal)
+    }
+
+    /// The same with the instructions of one level.
+    #[inline(always)]
+    pub(crate) fn intersect_at(
+        &self,
+        level: Level,
+        ray: &Ray<f32>,
+        solver: Solver,
+        normal: bool,
+    ) -> (Hit<f32>, Vector<f32>) {
+        let mut found = (Hit::none(0.0), vector(0.0, 0.0, 0.0));
+        dispatch!(level, simd => {
+            let (interval, frame) = match self.single_slab() {
+                Some(slab) => {
+                    let single = Single::new(simd, self.corners(), slab);
+                    (single.clip(ray), Some(single.frame))
+                }
+                None => {
+                    let outline = self.outline();
+                    (outline.clip(ray, true), outline.frame)
+                }
+            };
+            if let Some(frame) = frame && interval.alive {
+                let patch = surface(&frame, &self.corners().normals, self.record());
+                found = trace_one(simd, &patch, &interval, ray, solver, normal);
+            }
+        });
+        found
+    }
+}
+
+/// A register's lanes at a time.
+#[inline(always)]
+fn trace<S: Simd>(
+    simd: S,
+    outline: &Outline<'_, f32>,
+    rays: &RayLanes<'_>,
+    asked: Asked,
+    hits: &mut HitLanes,
+) {
+    let mut patch = None;
+    for first in (0..rays.tnear.len()).step_by(S::f32s::LEN) {
+        let valid = S::mask32s::from_bitmask(simd, u64::from(asked.valid >> first));
+        let ray = load_ray(simd, rays, first);
+        let interval = outline.clip(&ray, LaneMask(valid));
+        if interval.is_empty() {
+            continue;
+        }
+        let patch = &*patch.get_or_insert_with(
+            #[inline(always)]
+            || outline.surface(),
+        );
+        let hit = match asked.solver {
+            Solver::Ita { .. } => patch.intersect_within(&interval, &ray, asked.solver),
+            Solver::Finish { .. } => patch.intersect_by(
+                &interval,
+                &ray,
+                asked.solver,
+                #[inline(always)]
+                |segment| search_lanes(simd, patch, &segment, asked.solver),
+            ),
+        };
+        hits.evaluations += hit.evaluations;
+        let found = hit.found.0.to_bitmask() as u32;
+        if found == 0 {
+            continue;
+        }
+        hits.found |= found << first;
+        hit.t.store(&mut hits.t, first);
+        hit.u.store(&mut hits.u, first);
+        hit.v.store(&mut hits.v, first);
+        if asked.normals {
+            let normal = patch.normal_at(hit.u, hit.v);
+            normal.x.store(&mut hits.normal[0], first);
+            normal.y.store(&mut hits.normal[1], first);
+            normal.z.store(&mut hits.normal[2], first);
+        }
+    }
+}
+
+#[inline(always)]
+pub(crate) fn load_ray<S: Simd>(simd: S, rays: &RayLanes<'_>, first: usize) -> Ray<Lanes<S>> {
+    let load_vector = inlined(
+        #[inline(always)]
+        |[x, y, z]: [&[f32]; 3]| -> Vector<Lanes<S>> {
+            vector(
+                Lanes::load(simd, x, first),
+                Lanes::load(simd, y, first),
+                Lanes::load(simd, z, first),
+            )
+        },
+    );
+    Ray {
+        origin: load_vector(rays.origin),
+        direction: load_vector(rays.direction),
+        tnear: Lanes::load(simd, rays.tnear, first),
+        tfar: Lanes::load(simd, rays.tfar, first),
+    }
+}

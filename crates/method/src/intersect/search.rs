@@ -1,0 +1,358 @@
+//! Where a ray first meets a curved triangle.
+
+use std::cell::Cell;
+
+use super::clip::Interval;
+use super::hit::{Hit, Solver};
+use super::paraboloid::Stretch;
+use super::ray::{Ray, beyond, is_thin, localized};
+use super::root::{MAX_PARTS, Root, Samples, Steps};
+use super::segment::Segment;
+use super::{bracketing, ita};
+use crate::numbers::{Constant, Mask, Real, Scalar, Vector, each, inlined};
+use crate::patch::{Patch, Rule, next};
+
+/// A hit's barycentric coordinates may lie this far outside: neighbours overlap a little.
+const MAX_OUTSIDE: f64 = 9e-5;
+
+/// How far beyond a side a hit may lie by the ray's own rounding, in units of how far beside a guide:
+/// as far as the planes that rays are clipped to, whose normals are not quite as long as is counted on.
+const BESIDE: f64 = 1.25;
+
+/// Most roots of one ray on one patch that are looked at for the first true one.
+const MAX_ROOTS: u32 = 4;
+/// Height of the slab, in units of the patch's size, from which on a ray is sampled twice as densely.
+const HIGH_SLAB: f64 = 0.4;
+/// How far from zero F may be by rounding alone: as near as a root need be found.
+const NOISE_EPSILONS: f64 = 2.0;
+
+impl<S: Scalar> Patch<S> {
+    /// The first hit with `tnear < t <= tfar`.
+    #[inline(always)]
+    pub fn intersect<V: Real<Scalar = S>>(&self, ray: &Ray<V>, solver: Solver) -> Hit<V> {
+        let interval = self.clip(ray, ray.tnear.mask(true));
+        self.intersect_within(&interval, ray, solver)
+    }
+
+    /// Where the ray can meet the surface at all, in the valid lanes.
+    #[inline(always)]
+    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Interval<V> {
+        self.hull.clip(ray, valid)
+    }
+
+    /// A ray's way over the patch within an interval.
+    #[inline(always)]
+    pub fn segment<V: Real<Scalar = S>>(&self, ray: &Ray<V>, interval: &Interval<V>) -> Segment<V> {
+        Segment::new(self, ray, interval)
+    }
+
+    /// The same as [`Patch::intersect`] for a ray that was [clipped](Patch::clip) before.
+    #[inline(always)]
+    pub fn intersect_within<V: Real<Scalar = S>>(
+        &self,
+        interval: &Interval<V>,
+        ray: &Ray<V>,
+        solver: Solver,
+    ) -> Hit<V> {
+        self.intersect_sampled(interval, ray, solver, |_, _| None)
+    }
+
+    /// The same with a function that may know F at equal steps along a segment.
+    #[inline(always)]
+    pub(crate) fn intersect_sampled<V: Real<Scalar = S>>(
+        &self,
+        interval: &Interval<V>,
+        ray: &Ray<V>,
+        solver: Solver,
+        sampler: impl Fn(&Segment<V>, Steps<V>) -> Option<Samples<V>>,
+    ) -> Hit<V> {
+        self.intersect_by(
+            interval,
+            ray,
+            solver,
+            #[inline(always)]
+            |segment| self.searched(segment, solver.denser(self.is_high()), &sampler),
+        )
+    }
+
+    /// The same with a function that finds the hits of rays that may have several crossings.
+    #[inline(always)]
+    pub(crate) fn intersect_by<V: Real<Scalar = S>>(
+        &self,
+        interval: &Interval<V>,
+        ray: &Ray<V>,
+        solver: Solver,
+        search: impl FnOnce(Segment<V>) -> Hit<V>,
+    ) -> Hit<V> {
+        if interval.is_empty() {
+            return Hit::none(ray.tnear);
+        }
+        let segment = Segment::new(self, ray, interval);
+        let hit = match self.rule {
+            Rule::Flat => self.plane_hit(&segment),
+            _ => self.surface_hit(segment, solver, search),
+        };
+        Hit {
+            found: hit.found & ray.tnear.less(hit.t) & hit.t.at_most(ray.tfar),
+            ..hit
+        }
+    }
+
+    #[inline(always)]
+    fn plane_hit<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Hit<V> {
+        let (at, inside) = segment.plane_crossing();
+        let b = segment.projection(at);
+        let ([u, v], moved) = self.kept_inside(b, inside);
+        let (mut t, mut beside) = (segment.start + at, moved);
+        if is_thin(self) {
+            // A ray at a grazing angle that was moved onto a side passes it elsewhere.
+            let [later, off] = segment.passing(self, [u - b[1], v - b[2]]);
+            (t, beside) = (t + later, off);
+        }
+        let found = inside & beside.at_most(segment.stray_room * at.constant(BESIDE));
+        Hit {
+            found,
+            t,
+            u,
+            v,
+            evaluations: 0,
+        }
+    }
+
+    /// The least parameter at which to look for the root after the one at `t`: beyond the reach of
+    /// rounding, so that the same root is not found twice.
+    pub fn beyond(&self, ray: &Ray<S>, t: S) -> S {
+        beyond(self.origin, self.size, ray, t)
+    }
+}
+
+impl<S: Constant> Patch<S> {
+    /// Finds the first hits of rays that may meet the surface several times.
+    #[inline(always)]
+    pub(crate) fn searched<V: Real<Scalar = S>>(
+        &self,
+        mut segment: Segment<V>,
+        solver: Solver,
+        sampler: &impl Fn(&Segment<V>, Steps<V>) -> Option<Samples<V>>,
+    ) -> Hit<V> {
+        let mut hit = Hit::none(segment.start);
+        for _ in 0..MAX_ROOTS {
+            let root = self.first_root(&segment, solver, sampler, &mut hit.evaluations);
+            // Far off the surface the inverse of the guide field can jump, and F with it, past zero:
+            // no root.
+            let met = root
+                .value
+                .at_most(segment.stray_room + segment.exit_room + segment.steps(root.width));
+            let true_root = self.verify(&segment, root.at, root.found & met, &mut hit);
+            hit.found = hit.found | true_root;
+            segment.alive = root.found & !true_root;
+            if !segment.alive.any() {
+                break;
+            }
+            segment.skip_to(root.at);
+        }
+        hit
+    }
+
+    #[inline(always)]
+    fn first_root<V: Real<Scalar = S>>(
+        &self,
+        segment: &Segment<V>,
+        solver: Solver,
+        sampler: &impl Fn(&Segment<V>, Steps<V>) -> Option<Samples<V>>,
+        evaluations: &mut u32,
+    ) -> Root<V> {
+        let count = Cell::new(*evaluations);
+        let f = inlined(
+            #[inline(always)]
+            |at: V, lanes: V::Mask| {
+                count.set(count.get() + lanes.count());
+                at.apart(
+                    #[inline(always)]
+                    || self.clearance(segment, at),
+                )
+            },
+        );
+        let (length, alive) = (segment.length, segment.alive);
+        let root = match solver {
+            Solver::Ita { bits, step } => {
+                let parts = 1 << step;
+                let steps = inlined(
+                    #[inline(always)]
+                    |start: V, part: V| {
+                        let few = parts <= MAX_PARTS;
+                        let samples = few.then(|| sampler(segment, Steps { start, part, parts }));
+                        // The ends are known.
+                        let new = if few { parts as u32 - 1 } else { 0 };
+                        samples.flatten().inspect(|_| count.set(count.get() + new))
+                    },
+                );
+                ita::first_root(f, steps, length, alive, bits, step)
+            }
+            Solver::Finish { parts } => {
+                let parts = (parts as usize).clamp(2, MAX_PARTS);
+                let (start, share) = (length.constant(0.0), 1.0 / parts as f64);
+                let part = length * length.constant(share);
+                let samples = sampler(segment, Steps { start, part, parts });
+                if samples.is_some() {
+                    count.set(count.get() + parts as u32 + 1);
+                }
+                let close = [segment.tolerance(), self.noise(segment)];
+                let ends = [segment.entry_room, segment.exit_room];
+                bracketing::first_root(f, length, close, ends, alive, parts, samples.as_ref())
+            }
+        };
+        *evaluations = count.get();
+        root
+    }
+
+    /// Whether the slab is so high that a ray may stay in it long before it meets the surface, and graze it
+    /// between samples.
+    #[inline(always)]
+    pub(crate) fn is_high(&self) -> S::Mask {
+        let height = self.slab[1] - self.slab[0];
+        height.constant(HIGH_SLAB).less(height)
+    }
+
+    /// The ray's origin and direction in the patch's space and units.
+    #[inline(always)]
+    pub(crate) fn localize<V: Real<Scalar = S>>(&self, ray: &Ray<V>) -> [Vector<V>; 2] {
+        localized(ray, self.origin, self.size.per_power_of_two())
+    }
+
+    /// The hits of rays that are known to have a single crossing first, and of the others by a search.
+    #[inline(always)]
+    pub(crate) fn surface_hit<V: Real<Scalar = S>>(
+        &self,
+        mut segment: Segment<V>,
+        solver: Solver,
+        search: impl FnOnce(Segment<V>) -> Hit<V>,
+    ) -> Hit<V> {
+        let mut hit = Hit::none(segment.start);
+        if matches!(solver, Solver::Finish { .. }) {
+            let evaluations = Cell::new(0);
+            let f = inlined(
+                #[inline(always)]
+                |at: V, lanes: V::Mask| {
+                    evaluations.set(evaluations.get() + lanes.count());
+                    self.clearance(&segment, at)
+                },
+            );
+            let stretch = self.stretch(&segment, segment.alive, &f);
+            let single = segment.alive & stretch.single;
+            let mut left = segment.alive & !stretch.clear;
+            if single.any() {
+                let missed = self.single_hit(&segment, &stretch, single, &f, &mut hit);
+                left = left & !hit.found & !missed;
+            }
+            hit.evaluations = evaluations.get();
+            segment.alive = left;
+        }
+        if !segment.alive.any() {
+            return hit;
+        }
+        let other = search(segment);
+        Hit {
+            found: hit.found | other.found,
+            t: V::select(other.found, other.t, hit.t),
+            u: V::select(other.found, other.u, hit.u),
+            v: V::select(other.found, other.v, hit.v),
+            evaluations: hit.evaluations + other.evaluations,
+        }
+    }
+
+    /// Finds the hits on stretches with a single one; gives the lanes that have none for certain.
+    #[inline(always)]
+    fn single_hit<V: Real<Scalar = S>>(
+        &self,
+        segment: &Segment<V>,
+        stretch: &Stretch<V>,
+        single: V::Mask,
+        f: &impl Fn(V, V::Mask) -> V,
+        hit: &mut Hit<V>,
+    ) -> V::Mask {
+        let noise = self.noise(segment);
+        // Not the coarser tolerance of rays from afar: the room for a doubtful slope grows with it.
+        let close = [noise / segment.speed, noise];
+        let crossing = stretch.crossing(segment, single, close, f);
+        hit.found = self.verify(segment, crossing.at, crossing.found, hit);
+        crossing.missed
+    }
+
+    /// Sets the hit where a root is one: the point there is on its guide, and the foot inside.
+    #[inline(always)]
+    fn verify<V: Real<Scalar = S>>(
+        &self,
+        segment: &Segment<V>,
+        at: V,
+        found: V::Mask,
+        hit: &mut Hit<V>,
+    ) -> V::Mask {
+        let (above, z) = (segment.projection(at), segment.z(at));
+        let foot = self.foot_under(above, z);
+        let ([u, v], moved) = self.kept_inside(foot.b, found);
+        let room = segment.stray_room;
+        let on_guide = self.strayed2(&foot, above, z).at_most(room * room);
+        let true_root = found & on_guide & moved.at_most(room * room.constant(BESIDE));
+        hit.t = V::select(true_root, segment.start + at, hit.t);
+        hit.u = V::select(true_root, u, hit.u);
+        hit.v = V::select(true_root, v, hit.v);
+        true_root
+    }
+
+    /// How far from zero F may be by rounding alone: as near as a root need be found.
+    #[inline(always)]
+    fn noise<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> V {
+        segment.length.constant(S::PRECISION * NOISE_EPSILONS)
+    }
+
+    /// F of equation (44), whose roots are the hits: the ray's height over the triangle's plane less
+    /// the surface's over the foot of the guide there, in units of the patch's size. `at` is the
+    /// segment's parameter, the ray's less that of the segment's start.
+    #[inline(always)]
+    pub fn clearance<V: Real<Scalar = S>>(&self, segment: &Segment<V>, at: V) -> V {
+        let z = segment.z(at);
+        z - self.height(&self.foot_under(segment.projection(at), z))
+    }
+
+    /// `b2` and `b3`, moved onto the nearest side where rounding of a ray from afar put them
+    /// further out than neighbours overlap; and how far that is, in units of the patch's size. In the
+    /// lanes that matter.
+    #[inline(always)]
+    fn kept_inside<V: Real<Scalar = S>>(&self, b: [V; 3], lanes: V::Mask) -> ([V; 2], V) {
+        let like = b[0];
+        let (zero, one) = (like.constant(0.0), like.constant(1.0));
+        // The first is what the other two leave: on the way of a ray from very far away all three are
+        // rounded apart, and it is those two that are told.
+        let b = [one - b[1] - b[2], b[1], b[2]];
+        let floor = like.constant(-MAX_OUTSIDE);
+        // What is no number at all is not inside.
+        let inside = floor.at_most(b[0]) & floor.at_most(b[1]) & floor.at_most(b[2]);
+        let outside = lanes & !inside;
+        if !outside.any() {
+            return ([b[1], b[2]], zero);
+        }
+        let (mut u, mut v, mut furthest) = (b[1], b[2], zero);
+        each(
+            #[inline(always)]
+            |k| {
+                let (side, j, m) = (&self.sides[k], next(k), next(next(k)));
+                let distance = b[m] * like.splat(side.height);
+                let further = outside & distance.less(furthest);
+                let along = b[m]
+                    .mul_add(like.splat(side.foot), b[j])
+                    .greater(zero)
+                    .lesser(one);
+                let mut on_side = [zero; 3];
+                on_side[k] = one - along;
+                on_side[j] = along;
+                u = V::select(further, on_side[1], u);
+                v = V::select(further, on_side[2], v);
+                furthest = V::select(further, distance, furthest);
+            },
+        );
+        let [to_second, to_third] = Vector::splat_both(like, self.spokes);
+        let moved = (to_second * (b[1] - u) + to_third * (b[2] - v)).length();
+        ([u, v], moved)
+    }
+}

@@ -1,0 +1,279 @@
+//! A ray's way over a patch's plane.
+
+use super::clip::Interval;
+use super::ray::Ray;
+use crate::bounds::RAY_EPSILONS;
+use crate::numbers::{Constant, Mask, Real, Scalar, Vector, inlined, three};
+use crate::patch::Patch;
+
+/// A ray's way over a patch's plane, clipped to where the surface can be: the paper's options 1 to
+/// 5 are all this one interval (section 4.8).
+#[derive(Clone, Copy, Debug)]
+pub struct Segment<V: Real> {
+    /// Where the interval begins, in the ray's parameter.
+    pub(crate) start: V,
+    /// Its length; the segment's own parameter runs from 0 to here.
+    pub(crate) length: V,
+    /// Whether there is an interval at all.
+    pub(crate) alive: V::Mask,
+    /// How far beside a guide a point may lie and still count as on it, in units of the patch's
+    /// size: what rounding of the ray comes to.
+    pub(crate) stray_room: V,
+    /// How near to zero F must be at the start for the ray to count as crossing the surface there: it
+    /// came in through a side, and rounding decides whether it crossed before or behind that. Below
+    /// zero where the ray came in otherwise.
+    pub(crate) entry_room: V,
+    /// The same at the end.
+    pub(crate) exit_room: V,
+    /// Length of the direction in units of the patch's size.
+    pub(crate) speed: V,
+    /// Barycentric coordinates of the vertical projection at the start, and their rates.
+    pub(crate) b: [V; 3],
+    pub(crate) b_rate: [V; 3],
+    /// Height over the plane at the start, and its rate.
+    pub(crate) z: V,
+    pub(crate) z_rate: V,
+}
+
+/// How far beside a guide a hit may lie before the ray's own rounding.
+const STRAY_EPSILONS: f64 = 64.0;
+
+/// Rounding of F itself, beside what the ray's distance adds, in units of epsilon.
+const CLEARANCE_EPSILONS: f64 = 8.0;
+
+/// The steepest that F is expected to be along a ray, for a unit of its way.
+const STEEPEST: f64 = 8.0;
+
+/// How many numbers a segment is made of.
+pub(crate) const SEGMENT_NUMBERS: usize = 14;
+
+impl<V: Real> Segment<V> {
+    /// Whether no lane's ray comes near the surface.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        !self.alive.any()
+    }
+
+    /// The part of the ray within an interval. It begins anew at the entry: the steps along the ray are
+    /// then small against its position.
+    #[inline(always)]
+    pub(crate) fn new<S: Constant>(patch: &Patch<S>, ray: &Ray<V>, interval: &Interval<V>) -> Self
+    where
+        V: Real<Scalar = S>,
+    {
+        let [from, along] = patch.localize(ray);
+        let distance = from.max_abs();
+        let alive = interval.alive;
+        let entry = V::select(alive, interval.start, ray.tnear);
+        let local = Self::unclipped(patch, along.mul_add(entry, from), along, entry, ray.tfar);
+        let epsilons = distance.constant(S::PRECISION * RAY_EPSILONS);
+        let stray_room =
+            distance.mul_add(epsilons, distance.constant(S::PRECISION * STRAY_EPSILONS));
+        let exit_room = distance.mul_add(
+            epsilons,
+            distance.constant(S::PRECISION * CLEARANCE_EPSILONS),
+        );
+        let entered = ray.tnear.less(interval.start);
+        Self {
+            length: interval.length,
+            alive,
+            stray_room,
+            entry_room: V::select(entered, exit_room, -exit_room),
+            exit_room,
+            ..local
+        }
+    }
+
+    /// The whole line, from the ray's origin on.
+    #[cfg(test)]
+    pub(crate) fn unclipped_at_start<S: Constant>(patch: &Patch<S>, ray: &Ray<V>) -> Self
+    where
+        V: Real<Scalar = S>,
+    {
+        let [from, along] = patch.localize(ray);
+        Self::unclipped(patch, from, along, ray.tnear, ray.tfar)
+    }
+
+    #[inline(always)]
+    fn unclipped<S: Constant>(
+        patch: &Patch<S>,
+        from: Vector<V>,
+        along: Vector<V>,
+        start: V,
+        end: V,
+    ) -> Self
+    where
+        V: Real<Scalar = S>,
+    {
+        let like = start;
+        let (zero, one) = (like.constant(0.0), like.constant(1.0));
+        let normal = Vector::splat(like, patch.normal);
+        let corner = from - Vector::splat(like, patch.base.corner);
+        let [across, base] = Vector::splat_both(like, [patch.base.across, patch.base.along]);
+        let (side, foot) = (patch.base.side.in_lanes(like), like.splat(patch.base.foot));
+        let coordinates = inlined(
+            #[inline(always)]
+            |b_m: V, x: V, sum: V| {
+                let b_j = x.less_product(foot, b_m);
+                side.placed([sum - b_j - b_m, b_j, b_m])
+            },
+        );
+        Self {
+            start,
+            length: end,
+            alive: like.mask(true),
+            stray_room: zero,
+            entry_room: zero,
+            exit_room: zero,
+            speed: along.length(),
+            b: coordinates(across.dot(corner), base.dot(corner), one),
+            b_rate: coordinates(across.dot(along), base.dot(along), zero),
+            z: normal.dot(from),
+            z_rate: normal.dot(along),
+        }
+    }
+
+    /// How much later than a point of the plane the ray passes another one nearest, which lies off
+    /// the first by these barycentric coordinates of the second and third vertex; and how far
+    /// beside it, in units of the patch's size.
+    #[inline(always)]
+    pub(crate) fn passing<S: Scalar>(&self, patch: &Patch<S>, [u, v]: [V; 2]) -> [V; 2]
+    where
+        V: Real<Scalar = S>,
+    {
+        let [to_second, to_third] = Vector::splat_both(u, patch.spokes);
+        let in_plane = to_second * self.b_rate[1] + to_third * self.b_rate[2];
+        let along = in_plane + Vector::splat(u, patch.normal) * self.z_rate;
+        let off = to_second * u + to_third * v;
+        let later = along.dot(off) / along.dot(along);
+        [later, (off - along * later).length()]
+    }
+
+    /// The tolerance at which a root is as good as the precision allows, in the segment's parameter.
+    #[inline(always)]
+    pub(crate) fn tolerance(&self) -> V {
+        let epsilon = self.speed.constant(V::Scalar::PRECISION);
+        epsilon / self.speed + epsilon * epsilon.constant(0.25) * self.start.abs()
+    }
+
+    /// All its numbers, for [`Segment::from_numbers`].
+    #[inline(always)]
+    pub(crate) fn numbers(&self) -> [V; SEGMENT_NUMBERS] {
+        let ([b0, b1, b2], [r0, r1, r2]) = (self.b, self.b_rate);
+        [
+            self.start,
+            self.length,
+            self.stray_room,
+            self.entry_room,
+            self.exit_room,
+            self.speed,
+            b0,
+            b1,
+            b2,
+            r0,
+            r1,
+            r2,
+            self.z,
+            self.z_rate,
+        ]
+    }
+
+    /// The segment of these numbers.
+    #[inline(always)]
+    pub(crate) fn from_numbers(of: [V; SEGMENT_NUMBERS], alive: V::Mask) -> Self {
+        let [
+            start,
+            length,
+            stray_room,
+            entry_room,
+            exit_room,
+            speed,
+            b0,
+            b1,
+            b2,
+            r0,
+            r1,
+            r2,
+            z,
+            z_rate,
+        ] = of;
+        Self {
+            start,
+            length,
+            alive,
+            stray_room,
+            entry_room,
+            exit_room,
+            speed,
+            b: [b0, b1, b2],
+            b_rate: [r0, r1, r2],
+            z,
+            z_rate,
+        }
+    }
+
+    /// The segment of one ray in every lane of a value like this one, to be looked at in several
+    /// places at once.
+    #[inline(always)]
+    pub(crate) fn in_lanes<L: Real<Scalar = V>>(&self, like: L) -> Segment<L>
+    where
+        V: Scalar,
+    {
+        // Not by `map`, which is not always inlined and then costs a lane more than its work.
+        let mut numbers = [like; SEGMENT_NUMBERS];
+        for (lanes, number) in numbers.iter_mut().zip(self.numbers()) {
+            *lanes = like.splat(number);
+        }
+        Segment::from_numbers(numbers, like.mask(self.alive))
+    }
+
+    /// What a steep surface may rise within a step of this width of the segment's parameter, in
+    /// units of the patch's size.
+    #[inline(always)]
+    pub(crate) fn steps(&self, width: V) -> V {
+        width * self.speed * width.constant(STEEPEST)
+    }
+
+    /// Begins the segment anew a little beyond `at`.
+    #[inline(always)]
+    pub(crate) fn skip_to(&mut self, at: V) {
+        let at = at + self.tolerance() * at.constant(16.0);
+        self.b = self.projection(at);
+        self.z = self.z(at);
+        self.start = self.start + at;
+        self.entry_room = -self.exit_room;
+        self.length = self.length - at;
+        self.alive = self.alive & at.constant(0.0).less(self.length);
+    }
+
+    /// Height over the plane at the segment's parameter.
+    #[inline(always)]
+    pub(crate) fn z(&self, at: V) -> V {
+        self.z_rate.mul_add(at, self.z)
+    }
+
+    /// Barycentric coordinates of the vertical projection at the segment's parameter.
+    #[inline(always)]
+    pub(crate) fn projection(&self, at: V) -> [V; 3] {
+        three(
+            #[inline(always)]
+            |i| self.b_rate[i].mul_add(at, self.b[i]),
+        )
+    }
+
+    /// Where the ray crosses the triangle's plane, in the segment's parameter, and in which lanes it
+    /// does so within the segment.
+    #[inline(always)]
+    pub(crate) fn plane_crossing(&self) -> (V, V::Mask) {
+        let at = -(self.z / self.z_rate);
+        let zero = at.constant(0.0);
+        let (early, late) = (at.less(zero), self.length.less(at));
+        let near = (early & self.z.abs().at_most(self.entry_room))
+            | (late & self.z(self.length).abs().at_most(self.exit_room));
+        let within = zero.at_most(at) & at.at_most(self.length);
+        (
+            at.greater(zero).lesser(self.length),
+            self.alive & (within | near),
+        )
+    }
+}

@@ -1,0 +1,152 @@
+//! What a patch knows of its plane and its sides, laid out from a triangle's frame: with as few
+//! divisions and roots as there can be, and three of a kind at once, since rays wait for it.
+
+use super::cyclic::next;
+use super::flags::{PatchFlags, Surface};
+use super::plane::{Plane, ratios};
+use super::triangle_frame::Frame;
+use crate::numbers::{Constant, Real, Vector, Visitor, inlined, three};
+
+/// The centroid's foot on a side must lie this far inside it, as a share of the side's length, for
+/// the paper's planes to bound a sub-triangle; else the side takes the ramp of obtuse triangles.
+const MIN_CENTROID_FOOT: f64 = 0.1;
+
+/// What a patch knows of a side, in the side's frame: x along the side from its first vertex, y
+/// along the inward in-plane perpendicular.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Side<S: Real> {
+    /// Squared length.
+    pub length2: S,
+    /// Height of the opposite vertex over the side.
+    pub height: S,
+    /// One over the height.
+    pub per_height: S,
+    /// Foot of the opposite vertex, as a share of the side's length.
+    pub foot: S,
+    /// The guide on the side is `nc + lean w`: the paper's side plane (5).
+    pub lean: S,
+    /// `lean / height`.
+    pub tilt: S,
+    /// One over three times the centroid's foot as a share of the length, from either end.
+    pub rise: [S; 2],
+    /// Whether the ramp of obtuse triangles takes the place of the paper's planes.
+    pub obtuse: S::Mask,
+    /// `2 n.(other - own)` at the side's two ends: reference curvature times squared length.
+    pub bend: [S; 2],
+    /// Height of the surface over the side's middle, four times, by the mean of the two bends.
+    pub bulge: S,
+    /// Four times the damping of this side.
+    pub damping: S,
+    /// Coefficients of the correction's slope, a quadratic along the side.
+    pub correction: [S; 3],
+    /// Whether the other side at either end is straight, though the vertex's normal leans along
+    /// it: there the surface cannot keep the vertex's tangent plane, and the slope does not vanish.
+    pub loose: [bool; 2],
+}
+
+impl<S: Constant> Side<S> {
+    /// Shows all numbers of a side that is not straight and has no loose end, sixteen from `at` on.
+    #[inline(always)]
+    pub fn visit(&mut self, at: usize, by: &mut impl Visitor<S>) {
+        by.number(at, &mut self.length2);
+        by.number(at + 1, &mut self.height);
+        by.number(at + 2, &mut self.per_height);
+        by.number(at + 3, &mut self.foot);
+        by.number(at + 4, &mut self.lean);
+        by.number(at + 5, &mut self.tilt);
+        by.number(at + 6, &mut self.rise[0]);
+        by.number(at + 7, &mut self.rise[1]);
+        by.truth(at + 8, &mut self.obtuse);
+        by.number(at + 9, &mut self.bend[0]);
+        by.number(at + 10, &mut self.bend[1]);
+        by.number(at + 11, &mut self.bulge);
+        by.number(at + 12, &mut self.damping);
+        by.number(at + 13, &mut self.correction[0]);
+        by.number(at + 14, &mut self.correction[1]);
+        by.number(at + 15, &mut self.correction[2]);
+    }
+}
+
+/// The three sides, without their corrections.
+#[inline(always)]
+pub(crate) fn sides<S: Constant>(
+    frame: &Frame<S>,
+    plane: &Plane<S>,
+    normals: &[Vector<S>; 3],
+    flags: PatchFlags,
+) -> [Side<S>; 3] {
+    let constant = inlined(
+        #[inline(always)]
+        |value: f64| frame.area2.constant(value),
+    );
+    let (zero, one, third) = (constant(0.0), constant(1.0), constant(1.0 / 3.0));
+    let edges = &frame.edges;
+    let sums = three(
+        #[inline(always)]
+        |k| normals[k] + normals[next(k)],
+    );
+    let leans = ratios(
+        three(
+            #[inline(always)]
+            |k| sums[k].dot(plane.inward[k]),
+        ),
+        three(
+            #[inline(always)]
+            |k| sums[k].dot(plane.normal),
+        ),
+    );
+    // Where the opposite vertex stands over the side: from the side's first vertex.
+    let feet = three(
+        #[inline(always)]
+        |k| -edges[next(next(k))].dot(edges[k]) * plane.per_length2[k],
+    );
+    let centroids = three(
+        #[inline(always)]
+        |k| (one + feet[k]) * third,
+    );
+    let shares = ratios(
+        [third; 3],
+        three(
+            #[inline(always)]
+            |k| centroids[k] * (one - centroids[k]),
+        ),
+    );
+    let margin = constant(MIN_CENTROID_FOOT);
+    let smooth = flags.surface() == Surface::Smooth;
+    let side = inlined(
+        #[inline(always)]
+        |k: usize| {
+            let edge = edges[k];
+            let (straight, per_height) = (flags.is_straight(k), plane.heights[3 + k]);
+            let centroid = centroids[k];
+            let obtuse = !(margin.less(centroid) & centroid.less(one - margin));
+            let (first, second) = (normals[k].dot(edge), normals[next(k)].dot(edge));
+            let kept = constant(if straight { 0.0 } else { 2.0 });
+            let most = constant(0.9);
+            let damping = (sums[k].dot(edge).abs() * plane.per_length[k]).lesser(most);
+            let damped = constant(if smooth && !straight { 4.0 } else { 0.0 });
+            Side {
+                length2: frame.lengths2[k],
+                height: plane.heights[k],
+                per_height,
+                foot: feet[k],
+                lean: leans[k],
+                tilt: leans[k] * per_height,
+                rise: [
+                    S::select(obtuse, one, (one - centroid) * shares[k]),
+                    S::select(obtuse, one, centroid * shares[k]),
+                ],
+                obtuse,
+                bend: [first * kept, -(second * kept)],
+                bulge: zero,
+                damping: damping * damped,
+                correction: [zero; 3],
+                loose: [
+                    !straight && flags.is_straight(next(next(k))),
+                    !straight && flags.is_straight(next(k)),
+                ],
+            }
+        },
+    );
+    [side(0), side(1), side(2)]
+}

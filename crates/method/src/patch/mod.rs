@@ -1,0 +1,27 @@
+//! What is known of one curved triangle: data alone.
+
+mod choice;
+mod clip_volume;
+mod cyclic;
+mod edge;
+mod flags;
+mod kind;
+mod plane;
+mod sphere;
+mod triangle_frame;
+mod triangle_vertices;
+mod unpacked;
+
+pub(crate) use choice::Choice;
+pub(crate) use clip_volume::{HalfSpace, Hull};
+pub(crate) use cyclic::next;
+pub use flags::{BoundsKind, PatchFlags, Surface};
+pub(crate) use kind::Rule;
+pub use kind::{FlatReason, PatchKind};
+pub(crate) use plane::roots;
+pub(crate) use sphere::Enlargement;
+pub use sphere::Sphere;
+pub(crate) use triangle_frame::{Frame, SLIVER_AREA, THIN};
+pub use triangle_vertices::Corners;
+pub(crate) use triangle_vertices::VERTICES;
+pub use unpacked::Patch;

@@ -1,0 +1,297 @@
+//! A patch, ready for rays.
+
+use super::choice::Choice;
+use super::clip_volume::Hull;
+use super::cyclic::next;
+use super::edge::{Side, sides};
+use super::flags::PatchFlags;
+use super::kind::{FlatReason, PatchKind, Rule};
+use super::plane::Plane;
+use super::sphere::Sphere;
+use super::triangle_frame::Frame;
+use crate::numbers::{Constant, Mask, Real, Scalar, Vector, Visitor, each, three, vector};
+
+/// What a patch knows of a vertex.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Vertex<S> {
+    /// Normal times the plane's normal.
+    pub normal: S,
+    /// Normal times each side's inward perpendicular.
+    pub inward: [S; 3],
+    /// Scalar product of the two sides out of the vertex; on its own, since on thin triangles it
+    /// drowns in a difference of squared lengths.
+    pub between: S,
+    /// One over the angle at the vertex, radians.
+    pub inverse_angle: S,
+}
+
+/// The frame of the longest side: because on a needle the gradients' rounding would shift points along it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Base<S: Constant> {
+    /// Which side that is.
+    pub side: Choice<S>,
+    /// Its first vertex.
+    pub corner: Vector<S>,
+    /// Its edge over its squared length.
+    pub along: Vector<S>,
+    /// The gradient of the opposite vertex's coordinate.
+    pub across: Vector<S>,
+    /// Its [`Side::foot`].
+    pub foot: S,
+}
+
+/// A curved triangle, ready for rays.
+///
+/// `S` is `f32` or `f64`; the `f64` patch of the same vertices is the oracle for the `f32` one.
+#[derive(Clone, Copy, Debug)]
+pub struct Patch<S: Constant> {
+    /// What rays are clipped to.
+    pub(crate) hull: Hull<S>,
+    pub(crate) origin: Vector<S>,
+    pub(crate) size: S,
+    /// First to second and first to third vertex.
+    pub(crate) spokes: [Vector<S>; 2],
+    /// `nc`: the plane's unit normal, turned to agree with the vertex normals.
+    pub(crate) normal: Vector<S>,
+    /// +1 where `nc` is the normal of the vertices' counterclockwise order, else -1.
+    pub(crate) winding: S,
+    /// Gradients of the three barycentric coordinates.
+    pub(crate) gradients: [Vector<S>; 3],
+    pub(crate) sides: [Side<S>; 3],
+    pub(crate) vertices: [Vertex<S>; 3],
+    /// The frame in which rays are set up.
+    pub(crate) base: Base<S>,
+    /// Twice the area.
+    pub(crate) area2: S,
+    /// Least and greatest height of the surface over its plane.
+    pub(crate) slab: [S; 2],
+    pub(crate) rule: Rule,
+    pub(crate) any_obtuse: bool,
+    pub(crate) any_loose: bool,
+    pub(crate) kind: PatchKind,
+    /// How far the surface's slope is off a paraboloid's at the most, as it is [kept](pack_unevenness).
+    pub(crate) unevenness: S,
+}
+
+impl<S: Constant> Base<S> {
+    #[inline(always)]
+    fn new(frame: &Frame<S>, plane: &Plane<S>, sides: &[Side<S>; 3]) -> Self {
+        let (side, zero) = (frame.longest, frame.area2.constant(0.0));
+        let ([a, b, c], [first, second, third]) = (frame.edges, plane.gradients);
+        Self {
+            side,
+            corner: side.pick_vector([vector(zero, zero, zero), a, -c]),
+            along: side.pick_vector([a, b, c]) * side.pick(plane.per_length2),
+            across: side.pick_vector([third, first, second]),
+            foot: side.pick([sides[0].foot, sides[1].foot, sides[2].foot]),
+        }
+    }
+}
+
+impl<S: Scalar> Patch<S> {
+    /// What the triangle turned out to be.
+    pub fn kind(&self) -> PatchKind {
+        self.kind
+    }
+
+    /// The unit of length inside: a power of two, at most the longest side.
+    pub fn size(&self) -> S {
+        self.size
+    }
+
+    /// The plane's unit normal, turned to agree with the vertex normals.
+    pub fn plane_normal(&self) -> Vector<S> {
+        self.normal
+    }
+
+    /// Least and greatest height of the surface over the triangle's plane, in the units of the
+    /// positions. Conservative.
+    pub fn heights(&self) -> [S; 2] {
+        self.slab.map(|z| z * self.size)
+    }
+
+    /// The sphere that bounds the patch, if it was [asked](PatchFlags::with_bounds) for and the patch is
+    /// not flat.
+    pub fn sphere(&self) -> Option<&Sphere<S>> {
+        self.hull.sphere.as_ref()
+    }
+
+    /// The slab of heights, unless the patch is plane.
+    pub(crate) fn curved_slab(&self) -> Option<[S; 2]> {
+        (self.rule != Rule::Flat).then_some(self.slab)
+    }
+
+    /// Makes the surface the plane triangle itself.
+    pub(crate) fn flatten(&mut self, reason: FlatReason) {
+        let zero = S::from_f64(0.0);
+        self.kind = PatchKind::Flat(reason);
+        self.rule = Rule::Flat;
+        self.any_obtuse = false;
+        self.slab = [zero; 2];
+        for side in &mut self.sides {
+            side.lean = zero;
+            side.tilt = zero;
+            side.bend = [zero; 2];
+            side.damping = zero;
+            side.correction = [zero; 3];
+        }
+    }
+}
+
+impl<S: Constant> Patch<S> {
+    /// A patch without area.
+    #[inline(always)]
+    pub(crate) fn empty(origin: Vector<S>) -> Self {
+        let (zero, one) = (origin.x.constant(0.0), origin.x.constant(1.0));
+        let none = vector(zero, zero, zero);
+        let side = Side {
+            length2: zero,
+            height: zero,
+            per_height: zero,
+            foot: zero,
+            lean: zero,
+            tilt: zero,
+            rise: [zero; 2],
+            obtuse: zero.mask(false),
+            bend: [zero; 2],
+            bulge: zero,
+            damping: zero,
+            correction: [zero; 3],
+            loose: [false; 2],
+        };
+        let vertex = Vertex {
+            normal: zero,
+            inward: [zero; 3],
+            between: zero,
+            inverse_angle: zero,
+        };
+        Self {
+            hull: Hull::empty(origin),
+            origin,
+            size: one,
+            spokes: [none; 2],
+            normal: none,
+            winding: one,
+            gradients: [none; 3],
+            sides: [side; 3],
+            vertices: [vertex; 3],
+            base: Base {
+                side: Choice::only(zero, 0),
+                corner: none,
+                along: none,
+                across: none,
+                foot: zero,
+            },
+            area2: zero,
+            slab: [zero; 2],
+            rule: Rule::Flat,
+            any_obtuse: false,
+            any_loose: false,
+            kind: PatchKind::Degenerate,
+            unevenness: zero.constant(f64::INFINITY),
+        }
+    }
+
+    /// The patch of a triangle, without the correction, the slab and the unevenness.
+    #[inline(always)]
+    pub(crate) fn laid(frame: &Frame<S>, normals: &[Vector<S>; 3], flags: PatchFlags) -> Self {
+        let zero = frame.area2.constant(0.0);
+        let plane = Plane::new(frame);
+        let sides = sides(frame, &plane, normals, flags);
+        let vertices = three(
+            #[inline(always)]
+            |i| Vertex {
+                normal: normals[i].dot(plane.normal),
+                inward: three(
+                    #[inline(always)]
+                    |k| normals[i].dot(plane.inward[k]),
+                ),
+                between: -frame.edges[i].dot(frame.edges[next(next(i))]),
+                inverse_angle: zero,
+            },
+        );
+        let mut patch = Self {
+            hull: Hull::empty(frame.origin),
+            origin: frame.origin,
+            size: frame.size,
+            spokes: [frame.edges[0], -frame.edges[2]],
+            normal: plane.normal,
+            winding: frame.winding,
+            gradients: plane.gradients,
+            any_obtuse: (sides[0].obtuse | sides[1].obtuse | sides[2].obtuse).any(),
+            any_loose: (0..3).any(|k| flags.is_straight(k)),
+            sides,
+            vertices,
+            base: Base::new(frame, &plane, &sides),
+            area2: frame.area2,
+            slab: [zero; 2],
+            rule: Rule::of(flags.surface()),
+            kind: PatchKind::Curved,
+            unevenness: zero.constant(f64::INFINITY),
+        };
+        each(
+            #[inline(always)]
+            |k| {
+                // Over twice the normals' mean cosine, near enough for a guess.
+                let upright = patch.vertices[k].normal + patch.vertices[next(k)].normal;
+                let quarter = zero.constant(0.25);
+                patch.sides[k].bulge =
+                    patch.mean_bend(k) * (upright * quarter - zero.constant(1.0));
+            },
+        );
+        patch
+    }
+
+    /// Sets the angles at the vertices, which only the angular rule asks for.
+    #[inline(always)]
+    pub(crate) fn set_angles(&mut self) {
+        for vertex in &mut self.vertices {
+            let angle = Real::atan2(self.area2, vertex.between);
+            vertex.inverse_angle = angle.constant(1.0) / angle;
+        }
+    }
+
+    /// The bend of a side as the vertex opposite to it sees it: its two ends' mean.
+    #[inline(always)]
+    pub(crate) fn mean_bend(&self, side: usize) -> S {
+        let [first, second] = self.sides[side].bend;
+        (first + second) * first.constant(0.5)
+    }
+}
+
+impl<S: Constant> Patch<S> {
+    /// Shows all numbers that rays ask for of a curved patch, by the tensor's rule and without loose ends.
+    #[inline(always)]
+    pub(crate) fn visit(&mut self, by: &mut impl Visitor<S>) {
+        by.vector(0, &mut self.origin);
+        by.number(3, &mut self.size);
+        by.vector(4, &mut self.spokes[0]);
+        by.vector(7, &mut self.spokes[1]);
+        by.vector(10, &mut self.normal);
+        self.visit_part(0, 13, by);
+        self.visit_part(1, 37, by);
+        self.visit_part(2, 61, by);
+        let base = &mut self.base;
+        base.side.visit(85, by);
+        by.vector(87, &mut base.corner);
+        by.vector(90, &mut base.along);
+        by.vector(93, &mut base.across);
+        by.number(96, &mut base.foot);
+        by.number(97, &mut self.slab[0]);
+        by.number(98, &mut self.slab[1]);
+        by.number(99, &mut self.unevenness);
+    }
+
+    /// Those of a vertex, its gradient and the side from there: 24.
+    #[inline(always)]
+    fn visit_part(&mut self, k: usize, at: usize, by: &mut impl Visitor<S>) {
+        by.vector(at, &mut self.gradients[k]);
+        self.sides[k].visit(at + 3, by);
+        let vertex = &mut self.vertices[k];
+        by.number(at + 19, &mut vertex.normal);
+        by.number(at + 20, &mut vertex.inward[0]);
+        by.number(at + 21, &mut vertex.inward[1]);
+        by.number(at + 22, &mut vertex.inward[2]);
+        by.number(at + 23, &mut vertex.between);
+    }
+}

@@ -1,0 +1,193 @@
+//! Several patches laid out side by side, for the rays that come by any of them.
+
+use fearless_simd::{Level, dispatch, f32x8, mask32x8, prelude::*};
+
+use super::columns::{Column, HULL, PATCH, Pick, Store, in_columns, vertices};
+use super::packed_triangle::KeptPatch;
+use crate::numbers::{
+    Constant, MAX_LANES, PATCHES, PairLanes, PatchMask, Patches, inlined, three, vector,
+};
+use crate::patch::{
+    BoundsKind, Frame, Hull, Patch, PatchFlags, PatchKind, Rule, Surface, VERTICES,
+};
+
+/// How many numbers a patch is laid out from.
+const SOURCE: usize = 30;
+
+/// Up to eight patches, laid out for rays.
+#[derive(Clone, Debug)]
+pub struct PatchBlock {
+    /// Which ones are, one bit each.
+    laid: u32,
+    any_obtuse: bool,
+    /// A number of each patch: [`Hull::visit`].
+    hulls: [[f32; PATCHES]; HULL],
+    /// A number of each patch: [`Patch::visit`].
+    patches: [[f32; PATCHES]; PATCH],
+}
+
+impl KeptPatch<'_> {
+    /// Whether a block takes the patch: it does where it is curved as asked for, without straight sides.
+    /// Of one surface all that can be are laid out alike.
+    pub fn fits_block(&self) -> bool {
+        let flags = self.record().flags();
+        self.record().kind() == PatchKind::Curved
+            && flags.surface() != Surface::Angular
+            && flags.bounds() == BoundsKind::Tight
+            && !(flags.is_straight(0) | flags.is_straight(1) | flags.is_straight(2))
+    }
+
+    /// What it is laid out from in a block.
+    #[inline(always)]
+    fn source(&self) -> [f32; SOURCE] {
+        let mut source = [0.0; SOURCE];
+        let record = self.record();
+        self.corners().write(&mut source[..VERTICES]);
+        source[VERTICES..20].copy_from_slice(&record.slab);
+        for (to, from) in source[20..29].chunks_exact_mut(3).zip(record.correction()) {
+            to.copy_from_slice(&from);
+        }
+        source[29] = record.unevenness();
+        source
+    }
+}
+
+impl Default for PatchBlock {
+    fn default() -> Self {
+        Self {
+            laid: 0,
+            any_obtuse: false,
+            hulls: [[0.0; PATCHES]; HULL],
+            patches: [[0.0; PATCHES]; PATCH],
+        }
+    }
+}
+
+impl PatchBlock {
+    /// Takes all patches out.
+    pub fn clear(&mut self) {
+        (self.laid, self.any_obtuse) = (0, false);
+    }
+
+    /// The patches that are laid out, one bit each.
+    pub fn laid(&self) -> u32 {
+        self.laid
+    }
+
+    /// Lays out some patches, one bit each, that [fit](KeptPatch::fits_block) and are of one surface.
+    pub fn lay<'a>(&mut self, which: u32, of: impl Fn(usize) -> KeptPatch<'a>) {
+        self.lay_at(Level::new(), which, of);
+    }
+
+    /// The same with the instructions of one level.
+    pub(crate) fn lay_at<'a>(
+        &mut self,
+        level: Level,
+        which: u32,
+        of: impl Fn(usize) -> KeptPatch<'a>,
+    ) {
+        // All are read before anything is done with one: then the processor waits for them side by side.
+        let mut all = [None; PATCHES];
+        let mut left = which;
+        while left != 0 {
+            let n = left.trailing_zeros() as usize;
+            all[n] = Some(of(n));
+            left &= left - 1;
+        }
+        let Some(first) = all.iter().flatten().next() else {
+            return;
+        };
+        let flags = first.record().flags();
+        debug_assert!(all.iter().flatten().all(KeptPatch::fits_block));
+        // Something sound in the other lanes.
+        let columns = in_columns(
+            #[inline(always)]
+            |n| all[n].as_ref().unwrap_or(first).source(),
+        );
+        dispatch!(level, simd => self.lay_columns(simd, which, flags, &columns));
+    }
+
+    #[inline(always)]
+    fn lay_columns<S: Simd>(
+        &mut self,
+        simd: S,
+        which: u32,
+        flags: PatchFlags,
+        columns: &[[f32; PATCHES]; SOURCE],
+    ) {
+        let number = inlined(
+            #[inline(always)]
+            |n: usize| Patches(f32x8::from_slice(simd, &columns[n])),
+        );
+        let [positions, normals] = vertices(simd, columns);
+        let slab = [number(VERTICES), number(VERTICES + 1)];
+        let frame = Frame::of_sound(&positions, &normals);
+        let mut hull = Hull::around(&frame, &normals, Some(slab), None);
+        let mut patch = Patch::laid(&frame, &normals, flags);
+        for (k, side) in patch.sides.iter_mut().enumerate() {
+            side.correction = three(
+                #[inline(always)]
+                |c| number(20 + 3 * k + c),
+            );
+        }
+        patch.slab = slab;
+        patch.unevenness = number(29);
+        let lanes = PatchMask(mask32x8::from_bitmask(simd, which.into()));
+        hull.visit(&mut Store {
+            columns: &mut self.hulls,
+            lanes,
+        });
+        patch.visit(&mut Store {
+            columns: &mut self.patches,
+            lanes,
+        });
+        self.laid |= which;
+        self.any_obtuse |= patch.any_obtuse;
+    }
+
+    /// What rays at one patch are clipped to.
+    #[inline(always)]
+    pub(crate) fn hull(&self, n: usize) -> Hull<f32> {
+        let mut hull = Hull::empty(vector(0.0, 0.0, 0.0));
+        hull.visit(&mut Column {
+            columns: &self.hulls,
+            n,
+        });
+        hull.exists = true;
+        hull
+    }
+
+    /// One patch, without what rays are clipped to.
+    pub(crate) fn patch(&self, n: usize) -> Patch<f32> {
+        let mut patch = Patch::empty(vector(0.0, 0.0, 0.0));
+        patch.visit(&mut Column {
+            columns: &self.patches,
+            n,
+        });
+        self.curved(patch)
+    }
+
+    /// One patch a lane.
+    #[inline(always)]
+    pub(crate) fn patches<S: Simd, P: PairLanes<S>>(&self, simd: S, bytes: &[u32]) -> Patch<P> {
+        let zero = P::load(simd, &[0.0; MAX_LANES]);
+        let mut patch = self.curved(Patch::empty(vector(zero, zero, zero)));
+        patch.visit(&mut Pick::<S, P, PATCH> {
+            columns: &self.patches,
+            simd,
+            places: P::places(simd, bytes),
+        });
+        patch
+    }
+
+    /// What is the same of all patches of a block.
+    #[inline(always)]
+    fn curved<S: Constant>(&self, patch: Patch<S>) -> Patch<S> {
+        Patch {
+            rule: Rule::Tensor,
+            kind: PatchKind::Curved,
+            any_obtuse: self.any_obtuse,
+            ..patch
+        }
+    }
+}

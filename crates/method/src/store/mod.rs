@@ -1,0 +1,18 @@
+//! How triangles are stored: packed one by one, and unpacked side by side.
+
+mod block;
+mod codecs;
+mod columns;
+mod packed_patch;
+mod packed_triangle;
+mod unpack;
+
+pub use block::PatchBlock;
+pub(crate) use codecs::{pack_unevenness, unpack_unevenness};
+pub use columns::in_columns;
+pub(crate) use columns::vertices;
+pub(crate) use packed_patch::Heights;
+pub use packed_patch::PatchRecord;
+pub use packed_triangle::KeptPatch;
+pub use unpack::Outline;
+pub(crate) use unpack::surface;

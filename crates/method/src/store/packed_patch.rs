@@ -1,0 +1,223 @@
+//! What is kept of a patch, in half a cache line.
+
+use super::codecs::{UNKNOWN, pack_unevenness, power_of_two, unpack_unevenness};
+use crate::numbers::{Scalar, three};
+use crate::patch::{Enlargement, FlatReason, Patch, PatchFlags, PatchKind};
+
+/// The per-triangle results worth keeping: with the three vertices they give the patch back
+/// without computing bounds and correction again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(32))]
+pub struct PatchRecord {
+    /// Least and greatest height, in units of the patch's size.
+    pub(crate) slab: [f32; 2],
+    /// In units of two to the power of `exponent`: the correction vanishes on the sides, so that
+    /// 16 bits are enough for it.
+    correction: [[i16; 3]; 3],
+    flags: PatchFlags,
+    kind: u8,
+    /// How far the surface is off a paraboloid, as [`super::paraboloid`] keeps it.
+    unevenness: u8,
+    exponent: i8,
+    /// Of the sphere of greatest curvature, where that bounds the patch.
+    pub(crate) enlargement: Enlargement,
+}
+
+const _: () = assert!(
+    size_of::<PatchRecord>() == 32,
+    "what is kept of a triangle has grown"
+);
+
+/// Every kind; a record holds the place in this list.
+const KINDS: [PatchKind; 9] = [
+    PatchKind::Curved,
+    PatchKind::Fallback,
+    PatchKind::Degenerate,
+    PatchKind::Flat(FlatReason::Asked),
+    PatchKind::Flat(FlatReason::Sliver),
+    PatchKind::Flat(FlatReason::BackNormal),
+    PatchKind::Flat(FlatReason::Bend),
+    PatchKind::Flat(FlatReason::Fold),
+    PatchKind::Flat(FlatReason::Plane),
+];
+
+impl PatchRecord {
+    /// Of a triangle without area, which nothing is known of yet.
+    pub fn blank(flags: PatchFlags) -> Self {
+        let heights = Heights {
+            slab: [0.0; 2],
+            correction: [[0.0; 3]; 3],
+            unit: 1.0,
+            unevenness: UNKNOWN,
+        };
+        Self::new(PatchKind::Degenerate, flags, &heights)
+    }
+
+    /// Of a patch without a sphere.
+    #[inline]
+    pub(crate) fn new(kind: PatchKind, flags: PatchFlags, heights: &Heights) -> Self {
+        let kind = KINDS.iter().position(|&listed| listed == kind);
+        let per_unit = 1.0 / heights.unit;
+        Self {
+            slab: heights.slab,
+            correction: heights
+                .correction
+                .map(|side| side.map(|c| (c * per_unit) as i16)),
+            flags,
+            kind: kind.expect("every kind is in the list") as u8,
+            unevenness: heights.unevenness,
+            exponent: (((heights.unit.to_bits() >> 23) & 0xff) as i32 - 127) as i8,
+            enlargement: Enlargement::default(),
+        }
+    }
+
+    /// The flags the patch was made with.
+    pub fn flags(&self) -> PatchFlags {
+        self.flags
+    }
+
+    /// What the triangle turned out to be.
+    #[inline(always)]
+    pub fn kind(&self) -> PatchKind {
+        KINDS[usize::from(self.kind)]
+    }
+
+    /// Whether there is a surface, and not in the triangle's plane.
+    #[inline(always)]
+    pub(crate) fn is_curved(&self) -> bool {
+        matches!(self.kind(), PatchKind::Curved | PatchKind::Fallback)
+    }
+
+    /// Least and greatest height, unless the triangle is plane.
+    #[inline(always)]
+    pub(crate) fn slab<S: Scalar>(&self) -> Option<[S; 2]> {
+        self.is_curved().then(|| {
+            let [least, most] = self.slab;
+            [S::from_f64(least.into()), S::from_f64(most.into())]
+        })
+    }
+
+    /// How far the surface's slope is off a paraboloid's at the most; infinite where that is not known.
+    #[inline(always)]
+    pub(crate) fn unevenness(&self) -> f32 {
+        unpack_unevenness(self.unevenness)
+    }
+
+    /// The correction's coefficients, a side each.
+    #[inline(always)]
+    pub(crate) fn correction<S: Scalar>(&self) -> [[S; 3]; 3] {
+        let unit = power_of_two(self.exponent.into());
+        // Not by `map`, which is called, and the vectors' halves of it wait for each other.
+        three(
+            #[inline(always)]
+            |k| {
+                let side = &self.correction[k];
+                three(
+                    #[inline(always)]
+                    |n| S::from_f64((f32::from(side[n]) * unit).into()),
+                )
+            },
+        )
+    }
+}
+
+impl<S: Scalar> Patch<S> {
+    /// What [`Patch::from_record`] needs to know beside the vertices.
+    pub fn record(&self, flags: PatchFlags) -> PatchRecord {
+        let single = |value: S| value.to_f64() as f32;
+        let heights = Heights {
+            slab: self.slab.map(single),
+            correction: self.sides.map(|side| side.correction.map(single)),
+            unit: single(self.correction_unit()),
+            unevenness: pack_unevenness(self.unevenness),
+        };
+        let sphere = self.sphere();
+        PatchRecord {
+            enlargement: sphere.map_or_else(Default::default, |sphere| sphere.enlargement()),
+            ..PatchRecord::new(self.kind, flags, &heights)
+        }
+    }
+}
+
+/// What a record keeps of a patch's heights.
+pub(crate) struct Heights {
+    pub slab: [f32; 2],
+    /// Rounded to whole units.
+    pub correction: [[f32; 3]; 3],
+    /// A power of two.
+    pub unit: f32,
+    pub unevenness: u8,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::{Vector, vector};
+    use crate::patch::Surface;
+
+    fn patch(correction: [[f64; 3]; 3]) -> Patch<f64> {
+        let mut patch = Patch::empty(vector(0.0, 0.0, 0.0));
+        for (side, c) in patch.sides.iter_mut().zip(correction) {
+            side.correction = c;
+        }
+        patch
+    }
+
+    #[test]
+    fn every_kind_is_kept() {
+        let mut patch = patch([[0.0; 3]; 3]);
+        for kind in KINDS {
+            patch.kind = kind;
+            assert_eq!(patch.record(PatchFlags::default()).kind(), kind);
+        }
+    }
+
+    #[test]
+    fn a_correction_keeps_fifteen_digits_and_rounding_is_done_once() {
+        for greatest in [1e-20, 3e-7, 0.5, 1.0, 0.999_999_9, 1.999_999_9, 4e3] {
+            let wanted = [
+                [greatest, -0.3 * greatest, 0.0],
+                [0.1 * greatest, -greatest, 1e-9 * greatest],
+                [0.0, 0.7 * greatest, -0.9 * greatest],
+            ];
+            let mut patch = patch(wanted);
+            patch.round_correction();
+            let rounded = patch.sides.map(|side| side.correction);
+            for (rounded, wanted) in rounded.iter().flatten().zip(wanted.iter().flatten()) {
+                let error = (rounded - wanted).abs();
+                assert!(
+                    error <= greatest * 2.0f64.powi(-14),
+                    "{rounded} for {wanted}"
+                );
+            }
+            let record = patch.record(PatchFlags::default());
+            assert_eq!(record.correction::<f64>(), rounded);
+            patch.round_correction();
+            assert_eq!(patch.sides.map(|side| side.correction), rounded);
+        }
+    }
+
+    #[test]
+    fn a_patch_comes_back_bit_for_bit() {
+        let positions = [
+            vector(0.0f32, 0.0, 0.0),
+            vector(1.0, 0.0, 0.1),
+            vector(0.2, 0.9, -0.1),
+        ];
+        let normals = [
+            vector(-0.2f32, -0.1, 1.0),
+            vector(0.3, 0.0, 1.0),
+            vector(0.0, 0.2, 1.0),
+        ]
+        .map(|n: Vector<f32>| n * (1.0 / n.length()));
+        for surface in Surface::ALL {
+            let flags = PatchFlags::new(surface);
+            let patch = Patch::new(positions, normals, flags);
+            let again = Patch::from_record(positions, normals, &patch.record(flags));
+            // The angles at the vertices are set where the rule asks for them.
+            assert_eq!((patch.kind, patch.rule), (again.kind, again.rule));
+            assert_eq!(patch.slab, again.slab);
+            assert_eq!(format!("{:?}", patch.sides), format!("{:?}", again.sides));
+        }
+    }
+}
