@@ -12,7 +12,7 @@ setup:
 	@ci/setup.sh
 
 demo: setup
-	$(CARGO) build --release --locked
+	$(CARGO) build --release --locked --bin curvetri --bin figure_2
 	@CARGO='$(CARGO)' ci/demo.sh '$(OUT)'
 
 test: setup

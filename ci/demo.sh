@@ -2,7 +2,7 @@
 # Renders the demonstration's pictures into a directory: the paper's Figure 2, and every mesh of
 # scenes/, flat and curved; and compares flat with curved where shadows end.
 #
-#   ci/demo.sh OUT      after cargo build --release
+#   ci/demo.sh OUT      after cargo build --release --bin curvetri --bin figure_2
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

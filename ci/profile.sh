@@ -12,7 +12,7 @@ cd "$(dirname "$0")/.."
 for tool in perf addr2line; do
     command -v "$tool" >/dev/null || { echo "ci/profile.sh: $tool is missing" >&2; exit 1; }
 done
-cargo build --release --locked --quiet
+cargo build --release --locked --quiet --bin curvetri
 program=${CARGO_TARGET_DIR:-target}/release/curvetri
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 folder=${DEBIAN13_TARGET:-$PWD/target-debian13}/same-hits
 mkdir -p "$folder"
 rm -f "$folder"/*.hits
-hits=(cargo run --quiet --locked --profile test --example hits --)
+hits=(cargo run --quiet --locked --profile test --package curvetri-demo --bin hits --)
 
 "${hits[@]}" write "$folder/host.hits"
 ci/debian13.sh "${hits[@]}" write "$folder/debian13.hits"

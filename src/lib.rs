@@ -23,3 +23,8 @@ pub use curvetri_method as method;
 pub mod compare;
 pub mod curved;
 pub mod render;
+
+/// Compiles the Rust of README.md with the documentation's tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -34,7 +34,7 @@ mod tests {
             let committed = std::fs::read_to_string(folder.join(name)).unwrap();
             assert!(
                 committed == obj_text(&mesh),
-                "{name} is old: run `cargo run --example make_scenes`"
+                "{name} is old: run `cargo run --bin make_scenes`"
             );
             let read = load(folder.join(name), &LoadOptions::default()).unwrap();
             assert_eq!(read.mesh.triangles().len(), mesh.triangles().len());

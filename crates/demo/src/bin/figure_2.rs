@@ -1,7 +1,7 @@
 //! Figure 2 of the paper: its four bodies as flat triangles and as the curved surfaces they stand
 //! for, all ray traced, in one picture.
 //!
-//!     cargo run --release --example figure_2 -- out/figure_2.png
+//!     cargo run --release --bin figure_2 -- out/figure_2.png
 //!
 //! The bodies are cut as coarsely as in the paper, and curved by its form: without the test that
 //! keeps triangles flat where the guide field folds over, which the 96 triangles of the torus would

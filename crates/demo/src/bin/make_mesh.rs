@@ -1,5 +1,5 @@
 //! Writes a closed bumpy torus of about as many triangles as wanted as an OBJ file:
-//! `cargo run --release --example make_mesh -- TRIANGLES FILE`.
+//! `cargo run --release --bin make_mesh -- TRIANGLES FILE`.
 
 use std::process::ExitCode;
 

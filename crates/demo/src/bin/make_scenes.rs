@@ -1,4 +1,4 @@
-//! Writes the meshes of `scenes`: `cargo run --example make_scenes [FOLDER]`.
+//! Writes the meshes of `scenes`: `cargo run --bin make_scenes [FOLDER]`.
 
 use std::path::PathBuf;
 

@@ -9,7 +9,7 @@ use super::{Result, curvetri, machine, number};
 const HEAD: &str = "# Time and memory by size
 
 A bumpy torus of so many triangles, as an OBJ file with normals, is read, curved, built and rendered
-(800 x 600 pixels, 4 rays a pixel): `cargo run --release --example tables -- sizes` writes these
+(800 x 600 pixels, 4 rays a pixel): `cargo run --release --bin tables -- sizes` writes these
 tables. *Peak* is the most memory that the process ever had, the file's text included.
 ";
 

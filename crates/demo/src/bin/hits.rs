@@ -39,7 +39,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 
 fn write(file: &Path) -> Result<ExitCode, Box<dyn Error>> {
     let device = Device::new()?;
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
     let mut names: Vec<_> = std::fs::read_dir(folder)?
         .map(|entry| entry.map(|entry| entry.path()))
         .collect::<Result<_, _>>()?;

@@ -8,7 +8,7 @@ use super::{Result, curvetri, machine, number};
 
 const HEAD: &str = "# Meshes people have
 
-What becomes of 49 real meshes: `cargo run --release --example tables -- meshes FOLDER` writes this
+What becomes of 49 real meshes: `cargo run --release --bin tables -- meshes FOLDER` writes this
 table. Each is rendered at 400 x 300 pixels with 4 rays a pixel, by a process of its own, or refused
 with a sentence. *Curved* triangles follow the surface asked for, *fall-back* ones the angular rule;
 *plane* ones are flat because their surface lies in their plane anyway, *flat* ones because the method

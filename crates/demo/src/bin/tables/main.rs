@@ -1,8 +1,8 @@
 //! Makes the tables in `docs` by running `curvetri` on many meshes:
 //!
-//! - `cargo run --release --example tables -- meshes FOLDER` writes `docs/meshes.md`, what becomes
+//! - `cargo run --release --bin tables -- meshes FOLDER` writes `docs/meshes.md`, what becomes
 //!   of each mesh file in a folder and those in it;
-//! - `cargo run --release --example tables -- sizes [TRIANGLES...]` writes `docs/size.md`, time and
+//! - `cargo run --release --bin tables -- sizes [TRIANGLES...]` writes `docs/size.md`, time and
 //!   memory by the number of triangles.
 //!
 //! `cargo build --release` has to be run before.
