@@ -9,7 +9,7 @@ use std::sync::Arc;
 use curvetri::curved::{CurvedMesh, CurvedOptions};
 use curvetri::embree::{Device, Geometry, GeometryBuilder, SceneBuilder};
 use curvetri::mesh::{Mesh, Topology};
-use curvetri::method::{Corners, PatchFlags, Prepared, Vector};
+use curvetri::method::{BuiltPatch, PatchFlags, TriangleVertices, Vector};
 use curvetri_bodies::{SplitMix, bumpy_torus};
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
@@ -51,13 +51,13 @@ fn topology(bencher: Bencher<'_, '_>, triangles: usize) {
 #[divan::bench(args = SIZES)]
 fn patches(bencher: Bencher<'_, '_>, triangles: usize) {
     let mesh = torus(triangles);
-    let corners = |triangle: usize| Corners {
+    let corners = |triangle: usize| TriangleVertices {
         positions: mesh.triangle_positions(triangle).map(Vector::from),
         normals: mesh.triangle_normals(triangle).map(Vector::from),
     };
     let all: Vec<_> = (0..mesh.triangles().len()).map(corners).collect();
     counted(bencher, &mesh).bench_local(|| {
-        Prepared::each(&all, PatchFlags::default(), |_, prepared| {
+        BuiltPatch::each(&all, PatchFlags::default(), |_, prepared| {
             black_box(prepared);
         });
     });

@@ -12,7 +12,8 @@ use glam::Vec3;
 
 use crate::embree::Bounds;
 use crate::method::{
-    KeptPatch, PATCHES, PatchMask, Patches, Reach, Real, Vector, in_columns, inlined, vector,
+    DirectionalBounds, PATCHES, PackedTriangle, PatchMask, Patches, Real, Vector, in_columns,
+    inlined, vector,
 };
 
 /// Most triangles of a cluster.
@@ -80,12 +81,12 @@ pub(super) struct Member<'a> {
     pub triangle: u32,
     /// Its box along the axes of space.
     pub bounds: Bounds,
-    pub kept: KeptPatch<'a>,
+    pub kept: PackedTriangle<'a>,
 }
 
 /// The triangles of a cluster, one a lane.
 struct Shapes<S: Simd> {
-    reach: Reach<Patches<S>>,
+    reach: DirectionalBounds<Patches<S>>,
     /// The corners of their boxes along the axes of space.
     lower: Vector<Patches<S>>,
     upper: Vector<Patches<S>>,
@@ -130,7 +131,7 @@ impl Cluster {
             let step = shapes.lower.x.constant(kept.get().into());
             if axis == CUT {
                 let direction = shapes.everywhere(cluster.direction(axis));
-                let below = shapes.reach.has_side_below(direction);
+                let below = shapes.reach.has_edge_below(direction);
                 cluster.middles[axis] = cut_off(ranges, below, step).map(|steps| steps as i8);
             } else {
                 let [middles, halves] = in_steps(ranges, step);
@@ -259,7 +260,7 @@ impl<S: Simd> Shapes<S> {
             },
         );
         Self {
-            reach: Reach::of_patches(simd, |n| member(n).kept),
+            reach: DirectionalBounds::of_patches(simd, |n| member(n).kept),
             lower: corners(|bounds| bounds.lower),
             upper: corners(|bounds| bounds.upper),
         }
@@ -280,7 +281,7 @@ impl<S: Simd> Shapes<S> {
         let Vector { x, y, z } = self.reach.normal();
         let sum = |of: Patches<S>| of.numbers()[..count].iter().sum::<f32>();
         let up = Vec3::new(sum(x), sum(y), sum(z)).normalize_or(Vec3::Z);
-        let mut sides = self.reach.sides().map(|Vector { x, y, z }| {
+        let mut sides = self.reach.edges().map(|Vector { x, y, z }| {
             let side = Vec3::new(x.numbers()[0], y.numbers()[0], z.numbers()[0]);
             (side.abs().max_element(), side)
         });
@@ -348,12 +349,12 @@ fn cut_off<S: Simd>(
 pub(super) mod tests {
     use super::super::clusters::group;
     use super::*;
-    use crate::method::{Corners, KeptPatch, PatchFlags, PatchRecord, Prepared};
+    use crate::method::{BuiltPatch, PackedPatch, PackedTriangle, PatchFlags, TriangleVertices};
     use glam::vec3;
     use rand::{Rng, SeedableRng, rngs::SmallRng};
 
     /// Curved triangles here and there.
-    pub struct Triangles(Vec<(Corners, Prepared)>);
+    pub struct Triangles(Vec<(TriangleVertices, BuiltPatch)>);
 
     impl Triangles {
         /// Some in a cube of this size, each a tenth as large.
@@ -370,11 +371,11 @@ pub(super) mod tests {
                 let upright = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
                 let upright = upright.normalize_or(Vec3::X);
                 let normals = [(); 3].map(|()| (upright + (point() - 0.5) * 0.5).normalize());
-                let corners = Corners {
+                let corners = TriangleVertices {
                     positions: corners.map(Into::into),
                     normals: normals.map(Into::into),
                 };
-                (corners, Prepared::new(&corners, PatchFlags::default()))
+                (corners, BuiltPatch::new(&corners, PatchFlags::default()))
             };
             Self((0..count).map(|_| triangle()).collect())
         }
@@ -402,10 +403,10 @@ pub(super) mod tests {
             self.kept(triangle).patch().point(u, v).position.into()
         }
 
-        pub fn kept(&self, triangle: u32) -> KeptPatch<'_> {
-            let (corners, Prepared { record, .. }) = &self.0[triangle as usize];
-            let record: &PatchRecord = record;
-            KeptPatch::new(*corners, record)
+        pub fn kept(&self, triangle: u32) -> PackedTriangle<'_> {
+            let (corners, BuiltPatch { packed: record, .. }) = &self.0[triangle as usize];
+            let record: &PackedPatch = record;
+            PackedTriangle::new(*corners, record)
         }
     }
 
@@ -457,15 +458,15 @@ pub(super) mod tests {
     fn neighbours_in_a_plane_have_thin_boxes() {
         let up = vec3(0.48, 0.6, 0.64);
         let (along, across) = (vec3(0.8, 0.0, -0.6), up.cross(vec3(0.8, 0.0, -0.6)));
-        let shapes: Vec<(Corners, Prepared)> = (0..SIZE)
+        let shapes: Vec<(TriangleVertices, BuiltPatch)> = (0..SIZE)
             .map(|triangle| {
                 let at = along * (triangle / 2) as f32 + across * (triangle % 2) as f32;
                 let positions = [at, at + along, at + across].map(Into::into);
-                let corners = Corners {
+                let corners = TriangleVertices {
                     positions,
                     normals: [up.into(); 3],
                 };
-                (corners, Prepared::new(&corners, PatchFlags::default()))
+                (corners, BuiltPatch::new(&corners, PatchFlags::default()))
             })
             .collect();
         let cluster = &Triangles(shapes).clusters()[0];

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::cluster::{Cluster, Member, SIZE};
 use crate::embree::Bounds;
-use crate::method::KeptPatch;
+use crate::method::PackedTriangle;
 
 /// A triangle where its box's centre is, twice as far from the origin.
 #[derive(Clone, Copy)]
@@ -53,7 +53,7 @@ fn number(ordered: u32) -> f32 {
 /// out: nothing hits them.
 pub(super) fn group<'a>(
     boxes: &[Bounds],
-    kept: impl Fn(u32) -> KeptPatch<'a> + Sync,
+    kept: impl Fn(u32) -> PackedTriangle<'a> + Sync,
 ) -> Box<[Cluster]> {
     let mut centres: Vec<Centre> = (0..boxes.len() as u32)
         .into_par_iter()

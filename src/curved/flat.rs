@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::prepare::PreparedMesh;
 use super::{CurvedMesh, Kinds};
 use crate::embree::{Bounds, Device, Error, Geometry, GeometryBuilder};
-use crate::method::{FlatReason, PatchKind, PatchRecord};
+use crate::method::{FlatReason, PackedPatch, PatchKind};
 
 /// Who traces the triangles that stay flat.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,10 +41,10 @@ impl FlatTriangles {
 /// Whether a triangle is one that may be apart: not one that is flat because the method cannot take it. Its
 /// neighbours are the wildest of patches, and on a side between them a ray may be found by neither where
 /// the flat one ends sharp, as Embree's do.
-fn may_be_apart(record: &PatchRecord) -> bool {
+fn may_be_apart(record: &PackedPatch) -> bool {
     matches!(
         record.kind(),
-        PatchKind::Flat(FlatReason::Plane | FlatReason::Asked)
+        PatchKind::Flat(FlatReason::Plane | FlatReason::Requested)
     )
 }
 

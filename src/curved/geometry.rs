@@ -7,7 +7,7 @@ use super::cluster::{Cluster, SIZE};
 use super::counters::{count, count_callback};
 use super::laid::Laid;
 use crate::embree::{Bounds, IntersectQuery, OccludedQuery, QueryRays, SurfaceHit, UserGeometry};
-use crate::method::{HitLanes, KeptPatch, PatchBlock, Ray, RayLanes, Real, Solver};
+use crate::method::{HitLanes, PackedTriangle, PatchBlock, Ray, RayLanes, Real, Solver};
 
 impl UserGeometry for CurvedMesh {
     fn primitives(&self) -> u32 {
@@ -60,7 +60,7 @@ fn surface_hit(hits: &HitLanes, lane: usize) -> SurfaceHit {
 }
 
 /// The lane's ray from beyond a root that was rejected.
-fn rest_of_ray(patch: &KeptPatch<'_>, query: &QueryRays<'_>, lane: usize, t: f32) -> Ray<f32> {
+fn rest_of_ray(patch: &PackedTriangle<'_>, query: &QueryRays<'_>, lane: usize, t: f32) -> Ray<f32> {
     let ray = kernel_ray(&query.ray(lane));
     Ray {
         tnear: patch.beyond(&ray, t),
@@ -90,7 +90,7 @@ impl CurvedMesh {
             return;
         }
         let mut left = cluster.present();
-        if matches!(self.solver, Solver::Finish { .. }) {
+        if matches!(self.solver, Solver::Bracketing { .. }) {
             let met = cluster.packet_met(&ray_lanes(query), query.valid());
             left = self.trace_block(query, (prim, cluster), &met, normals, report);
             if left == 0 {
@@ -158,7 +158,7 @@ impl CurvedMesh {
             prim,
             |block| self.lay(block, cluster),
             |block, hits| {
-                laid = asked & block.laid();
+                laid = asked & block.unpacked();
                 block.intersect_packet(&ray_lanes(query), met, self.solver, normals, hits);
             },
         );
@@ -189,7 +189,7 @@ impl CurvedMesh {
         let fit = lanes(cluster.present())
             .filter(|&n| patch(n).fits_block())
             .fold(0, |fit, n| fit | 1 << n);
-        block.lay(fit, patch);
+        block.unpack(fit, patch);
     }
 
     /// Offers the roots of some of a query's rays on a triangle.
@@ -222,7 +222,7 @@ impl CurvedMesh {
     /// The first roots of some rays of a query.
     fn packet_hits(
         &self,
-        patch: &KeptPatch<'_>,
+        patch: &PackedTriangle<'_>,
         query: &QueryRays<'_>,
         valid: u32,
         normals: bool,
@@ -235,7 +235,7 @@ impl CurvedMesh {
     /// Reports the ray's roots on a patch, nearest first, until one is accepted.
     fn offer_roots(
         &self,
-        patch: &KeptPatch<'_>,
+        patch: &PackedTriangle<'_>,
         mut ray: Ray<f32>,
         normals: bool,
         mut report: impl FnMut(SurfaceHit) -> bool,

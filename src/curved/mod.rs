@@ -21,7 +21,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::embree::Bounds;
 use crate::mesh::{Mesh, Topology, TopologyCounts};
 use crate::method::{
-    BoundsKind, Corners, KeptPatch, Patch, PatchKind, PatchRecord, Solver, Surface, Vector,
+    BoundsKind, PackedPatch, PackedTriangle, Patch, PatchKind, Solver, Surface, TriangleVertices,
+    Vector,
 };
 
 use cluster::Cluster;
@@ -97,7 +98,7 @@ impl CurvedOptions {
 /// [`Mesh::origin`]. A hit's primitive `i` is the mesh's triangle `i`.
 pub struct CurvedMesh {
     mesh: Arc<Mesh>,
-    records: Vec<PatchRecord>,
+    records: Vec<PackedPatch>,
     clusters: Option<Box<[Cluster]>>,
     /// Whether the flat triangles are left to another geometry.
     flat_apart: bool,
@@ -190,7 +191,7 @@ impl CurvedMesh {
     /// Bytes kept beyond the indexed mesh itself.
     pub fn memory(&self) -> usize {
         let clusters = self.clusters.as_ref().map_or(0, |clusters| clusters.len());
-        self.records.capacity() * size_of::<PatchRecord>() + clusters * size_of::<Cluster>()
+        self.records.capacity() * size_of::<PackedPatch>() + clusters * size_of::<Cluster>()
     }
 
     /// The curved patch of one triangle, in the mesh's local space.
@@ -202,7 +203,7 @@ impl CurvedMesh {
     }
 
     #[inline(always)]
-    fn kept(&self, triangle: u32) -> KeptPatch<'_> {
+    fn kept(&self, triangle: u32) -> PackedTriangle<'_> {
         let triangle = triangle as usize;
         kept(&self.mesh, triangle, &self.records[triangle])
     }
@@ -212,7 +213,7 @@ impl CurvedMesh {
     /// # Panics
     /// If there is no such triangle.
     pub fn oracle(&self, triangle: u32) -> Patch<f64> {
-        let Corners { positions, normals } = corners(&self.mesh, triangle as usize);
+        let TriangleVertices { positions, normals } = corners(&self.mesh, triangle as usize);
         let flags = self.records[triangle as usize].flags();
         let wide = |v: [Vector<f32>; 3]| v.map(Vector::to_f64);
         Patch::new(wide(positions), wide(normals), flags)
@@ -221,16 +222,16 @@ impl CurvedMesh {
 
 /// What is kept of a triangle's patch.
 #[inline(always)]
-fn kept<'a>(mesh: &Mesh, triangle: usize, record: &'a PatchRecord) -> KeptPatch<'a> {
-    KeptPatch::new(corners(mesh, triangle), record)
+fn kept<'a>(mesh: &Mesh, triangle: usize, record: &'a PackedPatch) -> PackedTriangle<'a> {
+    PackedTriangle::new(corners(mesh, triangle), record)
 }
 
 /// A triangle's positions and normals as the kernel takes them.
 #[inline(always)]
-fn corners(mesh: &Mesh, triangle: usize) -> Corners {
+fn corners(mesh: &Mesh, triangle: usize) -> TriangleVertices {
     let [a, b, c] = mesh.triangle_positions(triangle);
     let [k, m, n] = mesh.triangle_normals(triangle);
-    Corners {
+    TriangleVertices {
         positions: [a.into(), b.into(), c.into()],
         normals: [k.into(), m.into(), n.into()],
     }

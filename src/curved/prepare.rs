@@ -8,7 +8,7 @@ use super::spheres::Spheres;
 use super::{CurvedOptions, corners, kept};
 use crate::embree::Bounds;
 use crate::mesh::{Mesh, Topology};
-use crate::method::{BoundsKind, PatchFlags, PatchKind, PatchRecord, Prepared};
+use crate::method::{BoundsKind, BuiltPatch, PackedPatch, PatchFlags, PatchKind};
 
 /// Triangles that are made together, such that those with the same flags fill the lanes.
 const TOGETHER: usize = 512;
@@ -19,7 +19,7 @@ const PLANE_HEIGHT: f32 = 40.0 * f32::EPSILON;
 
 /// What is kept of each triangle, and what is needed of it until the mesh is grouped.
 pub(super) struct PreparedMesh {
-    pub records: Vec<PatchRecord>,
+    pub records: Vec<PackedPatch>,
     pub bounds: Vec<Bounds>,
     pub kinds: Kinds,
     pub spheres: Spheres,
@@ -47,9 +47,9 @@ fn make(
     mesh: &Mesh,
     topology: &Topology,
     options: &CurvedOptions,
-) -> (Vec<PatchRecord>, Vec<Bounds>) {
+) -> (Vec<PackedPatch>, Vec<Bounds>) {
     let count = mesh.triangles().len();
-    let blank = PatchRecord::blank(PatchFlags::new(options.surface));
+    let blank = PackedPatch::blank(PatchFlags::new(options.surface));
     let (mut records, mut bounds) = (vec![blank; count], vec![Bounds::EMPTY; count]);
     records
         .par_chunks_mut(TOGETHER)
@@ -67,7 +67,7 @@ fn make(
                 } else {
                     flattened(prepared, mesh, first + place, options.tolerance)
                 };
-                records[place] = prepared.record;
+                records[place] = prepared.packed;
                 bounds[place] = bounds_of(&prepared);
             });
         });
@@ -75,18 +75,18 @@ fn make(
 }
 
 /// The triangle made flat where its surface lies in its plane anyway or is within the tolerance of it.
-fn flattened(prepared: Prepared, mesh: &Mesh, triangle: usize, tolerance: f32) -> Prepared {
+fn flattened(prepared: BuiltPatch, mesh: &Mesh, triangle: usize, tolerance: f32) -> BuiltPatch {
     let Some(height) = prepared.greatest_height() else {
         return prepared;
     };
-    let flags = prepared.record.flags();
+    let flags = prepared.packed.flags();
     if height <= PLANE_HEIGHT {
-        return Prepared::new(&corners(mesh, triangle), flags.with_plane());
+        return BuiltPatch::new(&corners(mesh, triangle), flags.with_plane());
     }
     if tolerance > 0.0 {
         let corners = corners(mesh, triangle);
         if height * corners.size() <= tolerance {
-            return Prepared::new(&corners, flags.with_flat());
+            return BuiltPatch::new(&corners, flags.with_flat());
         }
     }
     prepared
@@ -97,7 +97,7 @@ fn make_some(
     mesh: &Mesh,
     first: usize,
     flags: &[PatchFlags],
-    mut take: impl FnMut(usize, Prepared),
+    mut take: impl FnMut(usize, BuiltPatch),
 ) {
     let mut left: Vec<usize> = (0..flags.len()).collect();
     let mut same = Vec::with_capacity(flags.len());
@@ -114,11 +114,11 @@ fn make_some(
         });
         triangles.clear();
         triangles.extend(same.iter().map(|place| corners(mesh, first + place)));
-        Prepared::each(&triangles, common, |n, prepared| take(same[n], prepared));
+        BuiltPatch::each(&triangles, common, |n, prepared| take(same[n], prepared));
     }
 }
 
-fn bounds_of(prepared: &Prepared) -> Bounds {
+fn bounds_of(prepared: &BuiltPatch) -> Bounds {
     let [lower, upper] = prepared.bounds;
     Bounds {
         lower: lower.into(),
@@ -127,7 +127,7 @@ fn bounds_of(prepared: &Prepared) -> Bounds {
 }
 
 /// Counts the spheres, where those were asked for.
-fn spheres(mesh: &Mesh, records: &[PatchRecord], bounds: BoundsKind) -> Spheres {
+fn spheres(mesh: &Mesh, records: &[PackedPatch], bounds: BoundsKind) -> Spheres {
     if bounds != BoundsKind::Sphere {
         return Spheres::default();
     }
@@ -158,7 +158,7 @@ fn flags_of(topology: &Topology, triangle: usize, options: &CurvedOptions) -> Pa
 fn straighten_neighbours(
     mesh: &Mesh,
     topology: &Topology,
-    records: &mut [PatchRecord],
+    records: &mut [PackedPatch],
     bounds: &mut [Bounds],
 ) {
     let mut flat: Vec<u32> = (0..records.len() as u32)
@@ -185,16 +185,16 @@ fn straighten_neighbours(
             if flags == old.flags() || is_plane(&old) {
                 continue;
             }
-            let new = Prepared::new(&corners(mesh, neighbour as usize), flags);
-            records[neighbour as usize] = new.record;
+            let new = BuiltPatch::new(&corners(mesh, neighbour as usize), flags);
+            records[neighbour as usize] = new.packed;
             bounds[neighbour as usize] = bounds_of(&new);
-            if is_plane(&new.record) {
+            if is_plane(&new.packed) {
                 flat.push(neighbour);
             }
         }
     }
 }
 
-pub(super) fn is_plane(record: &PatchRecord) -> bool {
+pub(super) fn is_plane(record: &PackedPatch) -> bool {
     matches!(record.kind(), PatchKind::Flat(_) | PatchKind::Degenerate)
 }

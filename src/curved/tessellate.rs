@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::prepare::is_plane;
 use super::{CurvedMesh, corners};
 use crate::mesh::{MAX_INDICES, Mesh, MeshError, NO_TRIANGLE, Topology};
-use crate::method::{Corners, Patch, PatchKind};
+use crate::method::{Patch, PatchKind, TriangleVertices};
 
 /// A curved mesh cut into flat triangles: see [`CurvedMesh::tessellate`].
 #[derive(Debug, Clone)]
@@ -175,7 +175,7 @@ impl CurvedMesh {
     ) -> (Vec3, Vec3) {
         let [u, v] = [i, j].map(|n| (f64::from(n) / f64::from(level)) as f32);
         if patch.kind() == PatchKind::Degenerate {
-            let Corners { positions, normals } = corners(&self.mesh, triangle);
+            let TriangleVertices { positions, normals } = corners(&self.mesh, triangle);
             let mix = |x: [crate::method::Vector<f32>; 3]| {
                 let [a, b, c] = x.map(Vec3::from);
                 a * (1.0 - u - v) + b * u + c * v + Vec3::ZERO

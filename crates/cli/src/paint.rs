@@ -59,7 +59,7 @@ pub fn paint(scene: &Scene, file: &Path, up: UpAxis, console: &Console) -> Resul
         NO_PRIMITIVE => Vec3::ONE,
         triangle => match scene.shape_at(seen.mesh[pixel]) {
             Shape::Curved(mesh) => colour(mesh.kind(triangle)),
-            Shape::Flat(_) => colour(PatchKind::Flat(FlatReason::Asked)),
+            Shape::Flat(_) => colour(PatchKind::Flat(FlatReason::Requested)),
         },
     });
     Ok(output.finish(|out| film.write_png(out, Background::default(), 0.0))?)
@@ -71,7 +71,7 @@ fn colour(kind: PatchKind) -> Vec3 {
         PatchKind::Curved => 0,
         PatchKind::Fallback => 1,
         PatchKind::Flat(FlatReason::Plane) => 2,
-        PatchKind::Flat(FlatReason::Asked) => 3,
+        PatchKind::Flat(FlatReason::Requested) => 3,
         PatchKind::Flat(FlatReason::Sliver) => 4,
         PatchKind::Flat(FlatReason::BackNormal) => 5,
         PatchKind::Flat(FlatReason::Bend) => 6,

@@ -211,7 +211,7 @@ impl SurfaceArgs {
                 bits: self.ita_bits.unwrap_or(bits),
                 step: self.ita_step.unwrap_or(step),
             },
-            finish @ Solver::Finish { .. } => finish,
+            finish @ Solver::Bracketing { .. } => finish,
         })
     }
 

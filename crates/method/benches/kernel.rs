@@ -6,8 +6,8 @@
 //! sixteen rays.
 
 use curvetri_method::{
-    BoundsKind, Corners, KeptPatch, Patch, PatchFlags, PatchRecord, Ray, RayLanes, Solver, Surface,
-    Vector, vector,
+    BoundsKind, PackedPatch, PackedTriangle, Patch, PatchFlags, Ray, RayLanes, Solver, Surface,
+    TriangleVertices, Vector, vector,
 };
 use divan::{Bencher, black_box};
 
@@ -62,11 +62,11 @@ const RAYS: usize = 256;
 struct Triangle {
     positions: [Vector<f32>; 3],
     normals: [Vector<f32>; 3],
-    record: PatchRecord,
+    packed: PackedPatch,
 }
 
 impl Triangle {
-    /// A triangle of a torus of radii 1 and 1/4, cut into 48 by 64 quadrangles, on its outer side.
+    /// A triangle of a torus of radii 1 and 1/4, cut into 48 by 64 quadrangles, on its outer edge.
     fn new(flags: PatchFlags) -> Self {
         let corner = |around: f32, tube: f32| {
             let normal = vector(
@@ -84,20 +84,20 @@ impl Triangle {
             corner(0.3, 0.2 + turn),
         ];
         let (positions, normals) = (corners.map(|c| c.0), corners.map(|c| c.1));
-        let record = Patch::new(positions, normals, flags).record(flags);
+        let packed = Patch::new(positions, normals, flags).pack(flags);
         Self {
             positions,
             normals,
-            record,
+            packed,
         }
     }
 
-    fn kept(&self) -> KeptPatch<'_> {
-        let corners = Corners {
+    fn kept(&self) -> PackedTriangle<'_> {
+        let corners = TriangleVertices {
             positions: black_box(self.positions),
             normals: black_box(self.normals),
         };
-        KeptPatch::new(corners, black_box(&self.record))
+        PackedTriangle::new(corners, black_box(&self.packed))
     }
 
     /// Rays of one fate, from about one unit away.

@@ -17,7 +17,7 @@
 //!   imports `store`, because a patch is rounded to its packed form before anything is derived from it;
 //! - `intersect`: rays: the clip, the segment, the roots of F (44), single rays, packets and pairs.
 
-// Sides and vertices are named by their index, in formulas that are cyclic in it.
+// Edges and vertices are named by their index, in formulas that are cyclic in it.
 #![allow(clippy::needless_range_loop)]
 // `!(a < b)` where a NaN has to fail the test.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
@@ -37,15 +37,17 @@ mod packet_tests;
 #[cfg(test)]
 mod tests;
 
-pub use bounds::Reach;
-pub use build::Prepared;
+pub use bounds::DirectionalBounds;
+pub use build::BuiltPatch;
 pub use evaluate::SurfacePoint;
 pub use intersect::{
-    Hit, HitLanes, Interval, MAX_PARTS, PairHit, PairHits, Ray, RayLanes, Segment, Solver,
+    Hit, HitLanes, MAX_PARTS, PairHit, PairHits, Ray, RayInterval, RayLanes, Segment, Solver,
 };
 pub use numbers::{
     Constant, Dual, Jet, Lanes, MAX_LANES, Mask, PATCHES, PatchMask, Patches, Quad, Real, Scalar,
     Vector, inlined, load_lanes, three, vector,
 };
-pub use patch::{BoundsKind, Corners, FlatReason, Patch, PatchFlags, PatchKind, Sphere, Surface};
-pub use store::{KeptPatch, Outline, PatchBlock, PatchRecord, in_columns};
+pub use patch::{
+    BoundsKind, FlatReason, Patch, PatchFlags, PatchKind, Sphere, Surface, TriangleVertices,
+};
+pub use store::{Outline, PackedPatch, PackedTriangle, PatchBlock, in_columns};

@@ -33,30 +33,30 @@ fn levels() -> Vec<Level> {
 struct Triangle {
     positions: [Vector<f32>; 3],
     normals: [Vector<f32>; 3],
-    record: PatchRecord,
+    packed: PackedPatch,
 }
 
 impl Triangle {
     fn new(p: [V; 3], n: [V; 3], flags: PatchFlags) -> Self {
         let (positions, normals) = (rounded(p), rounded(n));
-        let record = Patch::new(positions, normals, flags).record(flags);
+        let packed = Patch::new(positions, normals, flags).pack(flags);
         Self {
             positions,
             normals,
-            record,
+            packed,
         }
     }
-    fn kept(&self) -> KeptPatch<'_> {
-        KeptPatch::new(
-            Corners {
+    fn kept(&self) -> PackedTriangle<'_> {
+        PackedTriangle::new(
+            TriangleVertices {
                 positions: self.positions,
                 normals: self.normals,
             },
-            &self.record,
+            &self.packed,
         )
     }
     fn patch(&self) -> Patch<f32> {
-        Patch::from_record(self.positions, self.normals, &self.record)
+        Patch::unpack(self.positions, self.normals, &self.packed)
     }
 }
 
@@ -88,7 +88,7 @@ fn odd_ray(random: &mut Random, patch: &Patch<f32>) -> Ray<f32> {
 fn solvers() -> [Solver; 3] {
     [
         Solver::default(),
-        Solver::Finish { parts: 3 },
+        Solver::Bracketing { parts: 3 },
         Solver::Ita { bits: 24, step: 3 },
     ]
 }
@@ -165,7 +165,7 @@ fn check(triangle: &Triangle, rays: &[Ray<f32>], valid: u32, solver: Solver) -> 
             }
         }
         match solver {
-            Solver::Finish { .. } => {
+            Solver::Bracketing { .. } => {
                 assert_eq!(hits.evaluations, evaluations, "{level:?} {solver:?}");
             }
             // All samples of a single ray's step are taken at once, needed or not.
@@ -287,7 +287,7 @@ fn every_pair_of_a_block_is_its_ray_and_its_patch_alone() {
         for level in levels() {
             let mut block = PatchBlock::default();
             for which in batches {
-                block.lay_at(level, which & !block.laid(), |k| triangles[k].kept());
+                block.unpack_at(level, which & !block.unpacked(), |k| triangles[k].kept());
             }
             let mut hits = PairHits::default();
             let solver = Solver::default();
@@ -301,7 +301,7 @@ fn every_pair_of_a_block_is_its_ray_and_its_patch_alone() {
             for (k, triangle) in triangles.iter().enumerate() {
                 let patch = triangle.patch();
                 for (lane, told) in told[k].into_iter().enumerate() {
-                    let valid = lane < width && lanes[k] >> lane & block.laid() >> k & 1 != 0;
+                    let valid = lane < width && lanes[k] >> lane & block.unpacked() >> k & 1 != 0;
                     let alone = valid.then(|| patch.intersect(&rays[lane], solver));
                     let alone = alone
                         .filter(|hit| hit.found)

@@ -92,9 +92,9 @@ fn ray<S: Scalar>(o: V, d: V) -> Ray<S> {
 }
 
 fn longest(p: [V; 3]) -> f64 {
-    let sides = [p[1] - p[0], p[2] - p[1], p[0] - p[2]];
-    sides
-        .map(|side| side.length())
+    let edges = [p[1] - p[0], p[2] - p[1], p[0] - p[2]];
+    edges
+        .map(|edge| edge.length())
         .into_iter()
         .fold(0.0, f64::max)
 }
@@ -385,10 +385,10 @@ fn a_ray_beyond_all_numbers_hits_nothing_that_is_none() {
     }
 }
 
-/// Neighbours overlap beyond a straight side, and a ray that meets the side must not touch the surface there
+/// Neighbours overlap beyond a straight edge, and a ray that meets the edge must not touch the surface there
 /// and leave it again, as at a kink.
 #[test]
-fn the_surface_goes_on_beyond_a_straight_side() {
+fn the_surface_goes_on_beyond_a_straight_edge() {
     for (n, positions) in capped_wall().into_iter().enumerate() {
         let normals = positions.map(|p| vector(p.x, p.y, 0.0));
         let flags = (0..3)
@@ -473,7 +473,7 @@ fn a_record_gives_the_patch_back() {
             let (p, n) = (rounded(p), rounded(n));
             let flags = PatchFlags::new(surface).with_straight(1);
             let patch = Patch::new(p, n, flags);
-            let again = Patch::from_record(p, n, &patch.record(flags));
+            let again = Patch::unpack(p, n, &patch.pack(flags));
             assert_eq!(patch.kind(), again.kind());
             assert_eq!(patch.heights(), again.heights());
             let (a, b) = (patch.point(0.3f32, 0.4), again.point(0.3f32, 0.4));

@@ -1,7 +1,7 @@
 //! Boxes of patches, from the control points that bound their heights.
 
-use super::heights::{HeightNet, spread};
-use crate::numbers::{Constant, Range, Scalar, Vector, each, inlined, vector};
+use super::heights::{HeightNet, height_intervals};
+use crate::numbers::{Constant, Interval, Scalar, Vector, each, inlined, vector};
 use crate::patch::{Patch, PatchKind, Rule, next};
 
 impl<S: Scalar> Patch<S> {
@@ -10,7 +10,7 @@ impl<S: Scalar> Patch<S> {
     pub fn bounds(&self) -> [Vector<S>; 2] {
         let net = match self.rule {
             Rule::Flat => None,
-            _ => Some(HeightNet::new(self, &spread(self)).corrected(self)),
+            _ => Some(HeightNet::new(self, &height_intervals(self)).corrected(self)),
         };
         self.bounds_by(net.as_ref())
     }
@@ -57,10 +57,10 @@ impl<S: Constant> Patch<S> {
         &self,
         net: Option<&HeightNet<S>>,
         of: impl Fn(Vector<S>) -> S + Copy,
-    ) -> Range<S> {
+    ) -> Interval<S> {
         let zero = self.area2.constant(0.0);
         let points = [zero, of(self.spokes[0]), of(self.spokes[1])];
-        let mut hull = Range::between(points[1], points[2]).hull(Range::of(zero));
+        let mut hull = Interval::between(points[1], points[2]).hull(Interval::of(zero));
         if let Some(net) = net {
             let guide = self.guide_range(of);
             let third = zero.constant(1.0 / 3.0);
@@ -70,13 +70,13 @@ impl<S: Constant> Patch<S> {
                     let (p, q) = (points[k], points[next(k)]);
                     let near = [(p + p + q) * third, (p + q + q) * third];
                     for end in 0..2 {
-                        let out = net.sides[k][end].times(guide);
-                        hull = hull.hull(out.plus(Range::of(near[end])));
+                        let out = net.edges[k][end].times(guide);
+                        hull = hull.hull(out.plus(Interval::of(near[end])));
                     }
                 },
             );
             let centre = (points[1] + points[2]) * third;
-            hull = hull.hull(net.centre.times(guide).plus(Range::of(centre)));
+            hull = hull.hull(net.centre.times(guide).plus(Interval::of(centre)));
         }
         self.in_space(hull, of)
     }
@@ -84,7 +84,7 @@ impl<S: Constant> Patch<S> {
     /// A range of one coordinate inside the patch as one of the positions' coordinate, with room for
     /// what rounding moves: inside, and in adding the origin again.
     #[inline(always)]
-    pub(crate) fn in_space(&self, hull: Range<S>, of: impl Fn(Vector<S>) -> S) -> Range<S> {
+    pub(crate) fn in_space(&self, hull: Interval<S>, of: impl Fn(Vector<S>) -> S) -> Interval<S> {
         let epsilons = inlined(
             #[inline(always)]
             |count: f64| hull.lo.constant(count * S::PRECISION),
@@ -92,7 +92,7 @@ impl<S: Constant> Patch<S> {
         let hull = hull.widened(epsilons(32.0) + hull.max_abs() * epsilons(8.0));
         let origin = of(self.origin);
         let outside = (origin.abs() + hull.max_abs() * self.size) * epsilons(4.0);
-        Range {
+        Interval {
             lo: hull.lo * self.size + origin,
             hi: hull.hi * self.size + origin,
         }
@@ -101,15 +101,15 @@ impl<S: Constant> Patch<S> {
 
     /// The range of one coordinate of the guide vectors.
     #[inline(always)]
-    fn guide_range(&self, of: impl Fn(Vector<S>) -> S) -> Range<S> {
+    fn guide_range(&self, of: impl Fn(Vector<S>) -> S) -> Interval<S> {
         let upright = of(self.normal);
-        let mut guide = Range::of(upright);
+        let mut guide = Interval::of(upright);
         each(
             #[inline(always)]
             |k| {
-                let side = &self.sides[k];
-                let inward = of(self.gradients[next(next(k))]) * side.height;
-                guide = guide.hull(Range::of(upright + side.lean * inward));
+                let edge = &self.edges[k];
+                let inward = of(self.gradients[next(next(k))]) * edge.height;
+                guide = guide.hull(Interval::of(upright + edge.lean * inward));
             },
         );
         guide

@@ -1,21 +1,21 @@
 //! The planes of the volume that a ray is clipped to.
 
 use crate::numbers::{Constant, Real, Scalar, Vector, inlined};
-use crate::patch::{Frame, HalfSpace, Hull, Sphere, roots};
+use crate::patch::{ClipVolume, HalfSpace, Sphere, TriangleFrame, roots};
 
-/// How far beyond its sides a patch is still searched, in barycentric coordinates, before the
+/// How far beyond its edges a patch is still searched, in barycentric coordinates, before the
 /// ray's own rounding: a guard, so that no ray slips between neighbours.
 pub(crate) const OVERLAP_EPSILONS: f64 = 256.0;
 
 /// What a ray from one unit away moves by rounding, in units of epsilon.
 pub(crate) const RAY_EPSILONS: f64 = 4.0;
 
-impl<S: Constant> Hull<S> {
+impl<S: Constant> ClipVolume<S> {
     /// The hull of a patch with these least and greatest heights, or with a sphere in their place; of a
     /// plane triangle, not a thin one, without heights.
     #[inline(always)]
     pub fn around(
-        frame: &Frame<S>,
+        frame: &TriangleFrame<S>,
         normals: &[Vector<S>; 3],
         slab: Option<[S; 2]>,
         sphere: Option<Sphere<S>>,
@@ -31,16 +31,16 @@ impl<S: Constant> Hull<S> {
             None => frame.area2,
         };
         let lengths = roots(frame.lengths2);
-        let side = inlined(
+        let edge = inlined(
             #[inline(always)]
             |k: usize| {
-                // The guides' plane through the side; it stands upright where the triangle is flat.
+                // The guides' plane through the edge; it stands upright where the triangle is flat.
                 let guide = match slab {
                     Some(_) => normals[k] + normals[(k + 1) % 3],
                     None => up,
                 };
                 let reach = longest_guide * lengths[k];
-                HalfSpace::of_sides(frame.edges[k], guide, up, frame.winding, reach)
+                HalfSpace::of_edge(frame.edge_vectors[k], guide, up, frame.winding, reach)
             },
         );
         // A flat triangle's slab has no thickness: there the crossing of its plane decides.
@@ -52,9 +52,9 @@ impl<S: Constant> Hull<S> {
             origin: frame.origin,
             unit: frame.size.per_power_of_two(),
             planes: [
-                side(0),
-                side(1).through(frame.edges[0]),
-                side(2),
+                edge(0),
+                edge(1).through(frame.edge_vectors[0]),
+                edge(2),
                 HalfSpace::level(up, below, frame.area2),
                 HalfSpace::level(-up, above, frame.area2),
             ],
@@ -66,11 +66,11 @@ impl<S: Constant> Hull<S> {
 }
 
 impl<V: Real> HalfSpace<V> {
-    /// Through a side that begins at the origin, along a guide of the side of any length; `up` is the
+    /// Through an edge that begins at the origin, along a guide of the edge of any length; `up` is the
     /// triangle's normal, twice its area long, and `reach` is about as long as the normal will be.
     #[inline(always)]
-    pub fn of_sides(
-        edge: Vector<V>,
+    pub fn of_edge(
+        edge_vector: Vector<V>,
         guide: Vector<V>,
         up: Vector<V>,
         winding: V,
@@ -79,13 +79,13 @@ impl<V: Real> HalfSpace<V> {
         // The value at the opposite vertex: a barycentric coordinate of 1.
         let whole = guide.dot(up);
         Self {
-            normal: guide.cross(edge) * winding,
+            normal: guide.cross(edge_vector) * winding,
             offset: whole * whole.constant(V::Scalar::PRECISION * OVERLAP_EPSILONS),
-            spread: reach * reach.constant(V::Scalar::PRECISION * RAY_EPSILONS),
+            distance_tolerance: reach * reach.constant(V::Scalar::PRECISION * RAY_EPSILONS),
         }
     }
 
-    /// The same where the side begins elsewhere.
+    /// The same where the edge begins elsewhere.
     #[inline(always)]
     pub fn through(self, way: Vector<V>) -> Self {
         Self {
@@ -100,16 +100,16 @@ impl<V: Real> HalfSpace<V> {
         Self {
             normal,
             offset,
-            spread: area2 * area2.constant(V::Scalar::PRECISION * RAY_EPSILONS),
+            distance_tolerance: area2 * area2.constant(V::Scalar::PRECISION * RAY_EPSILONS),
         }
     }
 }
 
-impl<S: Scalar> Hull<S> {
+impl<S: Scalar> ClipVolume<S> {
     /// The same of a plane triangle of any height as well.
     #[inline(always)]
     pub fn new(
-        frame: &Frame<S>,
+        frame: &TriangleFrame<S>,
         normals: &[Vector<S>; 3],
         slab: Option<[S; 2]>,
         sphere: Option<Sphere<S>>,

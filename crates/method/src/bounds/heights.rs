@@ -2,12 +2,12 @@
 //!
 //! The height over a foot is `h = sum b_i C_i q_i`, where `C_i` is how far the foot is from the
 //! sphere of vertex i and `q_i = 1 / (B_i + sqrt(B_i^2 - A_i C_i))`. The products `b_i C_i` are
-//! cubic Bernstein forms with coefficients that follow from the sides' curvatures, and `q_i` stays
+//! cubic Bernstein forms with coefficients that follow from the edges' curvatures, and `q_i` stays
 //! within a range over the triangle; so ten coefficients, each with a range, bound the height, and
 //! with the control points of the plane triangle they bound the surface itself.
 
 use crate::evaluate::MIN_DAMPING_FACTOR;
-use crate::numbers::{Constant, Range, Real, each, inlined, three};
+use crate::numbers::{Constant, Interval, Real, each, inlined, three};
 use crate::patch::{Patch, Rule, next};
 
 /// Least share of `n.nc` that `B` must keep for the guides to reach the spheres.
@@ -17,45 +17,45 @@ const MIN_DISCRIMINANT: f64 = 0.1;
 /// Greatest bound on the height, in units of the patch's size, at which a triangle is still taken:
 /// beyond it the normals contradict the triangle, and its box would cover half the scene.
 const MAX_HEIGHT: f64 = 8.0;
-/// The same in units of the sides' greatest bend. The angular rule blows up on needles: a little
-/// angle away from a long side it adds much of the short side's curvature, all along the length.
+/// The same in units of the edges' greatest bend. The angular rule blows up on needles: a little
+/// angle away from a long edge it adds much of the short edge's curvature, all along the length.
 const MAX_HEIGHT_TO_BEND: f64 = 8.0;
 
 /// What bounds the heights that one vertex's sphere asks for.
 #[derive(Clone, Copy)]
-struct VertexSpread<S> {
-    /// Bernstein coefficients of `C_i`: at the side midpoints ij, ik, jk and the corners j, k.
-    middles: [Range<S>; 3],
-    corners: [Range<S>; 2],
-    /// Range of `B_i`.
-    half_b: Range<S>,
+struct VertexIntervals<S> {
+    /// Bernstein coefficients of `C_i`: at the edge midpoints ij, ik, jk and the corners j, k.
+    middles: [Interval<S>; 3],
+    corners: [Interval<S>; 2],
+    /// Interval of `B_i`.
+    half_b: Interval<S>,
     /// Least `B_i^2 - A_i C_i`.
     discriminant: S,
-    /// Range of `q_i`.
-    reach: Range<S>,
+    /// Interval of `q_i`.
+    reach: Interval<S>,
 }
 
-/// Greatest curvature, in units of the longest side, at which the angular rule is taken: it takes
+/// Greatest curvature, in units of the longest edge, at which the angular rule is taken: it takes
 /// the difference of two angles times this, and in `f32` the rest is rounding.
 const MAX_ANGULAR_CURVATURE: f64 = 30.0;
 
 /// The ranges of everything the heights depend on.
-pub(crate) struct Spread<S: Real> {
-    vertices: [VertexSpread<S>; 3],
-    damping: Range<S>,
+pub(crate) struct HeightIntervals<S: Real> {
+    vertices: [VertexIntervals<S>; 3],
+    damping: Interval<S>,
     /// Whether the rule is well conditioned on a triangle of this shape.
     conditioned: S::Mask,
 }
 
 /// Bounds what each vertex's sphere asks for, under the patch's present rule.
 #[inline(always)]
-pub(crate) fn spread<S: Constant>(patch: &Patch<S>) -> Spread<S> {
+pub(crate) fn height_intervals<S: Constant>(patch: &Patch<S>) -> HeightIntervals<S> {
     let constant = inlined(
         #[inline(always)]
         |value: f64| patch.area2.constant(value),
     );
     let one = constant(1.0);
-    let [a, b, c] = &patch.sides;
+    let [a, b, c] = &patch.edges;
     let damping = a.damping.greater(b.damping).greater(c.damping);
     // kappa_12 b1 b2 + kappa_23 b2 b3 + kappa_31 b3 b1 is at most a third of the greatest kappa.
     let least = (one - damping * constant(1.0 / 3.0)).greater(constant(MIN_DAMPING_FACTOR));
@@ -74,32 +74,36 @@ pub(crate) fn spread<S: Constant>(patch: &Patch<S>) -> Spread<S> {
             },
         );
     }
-    Spread {
+    HeightIntervals {
         vertices: three(
             #[inline(always)]
-            |i| vertex_spread(patch, i, curvatures[i]),
+            |i| vertex_intervals(patch, i, curvatures[i]),
         ),
-        damping: Range { lo: least, hi: one },
+        damping: Interval { lo: least, hi: one },
         conditioned,
     }
 }
 
 #[inline(always)]
-fn vertex_spread<S: Constant>(patch: &Patch<S>, i: usize, curvature: Range<S>) -> VertexSpread<S> {
+fn vertex_intervals<S: Constant>(
+    patch: &Patch<S>,
+    i: usize,
+    curvature: Interval<S>,
+) -> VertexIntervals<S> {
     let (zero, one) = (patch.area2.constant(0.0), patch.area2.constant(1.0));
     let (middles, corners) = offset_coefficients(patch, i, curvature);
-    let offset = Range::of(zero).hull(middles[0]).hull(middles[1]);
+    let offset = Interval::of(zero).hull(middles[0]).hull(middles[1]);
     let offset = offset.hull(middles[2]).hull(corners[0]).hull(corners[1]);
     let (half_b, guide2) = half_b_range(patch, i, curvature);
     let product = curvature.times(guide2).times(offset);
     let low = half_b.lo.greater(zero);
     let discriminant = low * low - product.hi.greater(zero);
     let most = Real::sqrt(half_b.hi * half_b.hi - product.lo.lesser(zero));
-    let reach = Range {
+    let reach = Interval {
         lo: one / (half_b.hi + most),
         hi: one / (low + Real::sqrt(discriminant.greater(zero))),
     };
-    VertexSpread {
+    VertexIntervals {
         middles,
         corners,
         half_b,
@@ -113,29 +117,29 @@ fn vertex_spread<S: Constant>(patch: &Patch<S>, i: usize, curvature: Range<S>) -
 fn half_b_range<S: Constant>(
     patch: &Patch<S>,
     i: usize,
-    curvature: Range<S>,
-) -> (Range<S>, Range<S>) {
+    curvature: Interval<S>,
+) -> (Interval<S>, Interval<S>) {
     let (zero, one) = (patch.area2.constant(0.0), patch.area2.constant(1.0));
     let vertex = &patch.vertices[i];
-    let mut half_b = Range::of(vertex.normal);
-    let mut guide2 = Range::of(one);
+    let mut half_b = Interval::of(vertex.normal);
+    let mut guide2 = Interval::of(one);
     each(
         #[inline(always)]
         |k| {
-            let side = &patch.sides[k];
-            // In the sub-triangle of side k the guide is nc + lean (1 - s) w, and d.w is y, at most a
+            let edge = &patch.edges[k];
+            // In the sub-triangle of edge k the guide is nc + lean (1 - s) w, and d.w is y, at most a
             // third of the height, less the vertex's own y.
-            let own = if k == next(i) { side.height } else { zero };
-            let third = side.height * one.constant(1.0 / 3.0);
-            let way = Range {
+            let own = if k == next(i) { edge.height } else { zero };
+            let third = edge.height * one.constant(1.0 / 3.0);
+            let way = Interval {
                 lo: -own,
                 hi: third - own,
             };
             let inward = curvature.times(way).scaled(-one);
-            let inward = inward.plus(Range::of(vertex.inward[k]));
-            let leaning = Range::between(zero, side.lean).times(inward);
-            half_b = half_b.hull(leaning.plus(Range::of(vertex.normal)));
-            guide2.hi = guide2.hi.greater(one + side.lean * side.lean);
+            let inward = inward.plus(Interval::of(vertex.inward[k]));
+            let leaning = Interval::between(zero, edge.lean).times(inward);
+            half_b = half_b.hull(leaning.plus(Interval::of(vertex.normal)));
+            guide2.hi = guide2.hi.greater(one + edge.lean * edge.lean);
         },
     );
     (half_b, guide2)
@@ -143,11 +147,11 @@ fn half_b_range<S: Constant>(
 
 /// The curvatures that occur at vertex `i`.
 #[inline(always)]
-fn curvature_range<S: Constant>(patch: &Patch<S>, i: usize) -> Range<S> {
+fn curvature_range<S: Constant>(patch: &Patch<S>, i: usize) -> Interval<S> {
     let (j, k) = (next(i), next(next(i)));
-    let (to_j, to_k) = (&patch.sides[i], &patch.sides[k]);
+    let (to_j, to_k) = (&patch.edges[i], &patch.edges[k]);
     let (at_j, at_k) = (to_j.bend[0] / to_j.length2, to_k.bend[1] / to_k.length2);
-    let ends = Range::between(at_j, at_k);
+    let ends = Interval::between(at_j, at_k);
     if patch.rule != Rule::Tensor {
         return ends;
     }
@@ -168,28 +172,32 @@ fn curvature_range<S: Constant>(patch: &Patch<S>, i: usize) -> Range<S> {
     let radius = Real::sqrt(difference * difference + away_from_k * away_from_k);
     let rises = zero.at_most(away_from_k) & zero.at_most(away_from_j);
     let falls = away_from_k.at_most(zero) & away_from_j.at_most(zero);
-    Range {
+    Interval {
         lo: S::select(falls, ends.lo.lesser(mean - radius), ends.lo),
         hi: S::select(rises, ends.hi.greater(mean + radius), ends.hi),
     }
 }
 
-/// Bernstein coefficients of `C_i`: see [`VertexSpread`].
-type Offsets<S> = ([Range<S>; 3], [Range<S>; 2]);
+/// Bernstein coefficients of `C_i`: see [`VertexIntervals`].
+type Offsets<S> = ([Interval<S>; 3], [Interval<S>; 2]);
 
 /// Quadratic Bernstein coefficients of `C_i`, before damping.
 #[inline(always)]
-fn offset_coefficients<S: Constant>(patch: &Patch<S>, i: usize, curvature: Range<S>) -> Offsets<S> {
+fn offset_coefficients<S: Constant>(
+    patch: &Patch<S>,
+    i: usize,
+    curvature: Interval<S>,
+) -> Offsets<S> {
     let (j, k) = (next(i), next(next(i)));
-    let (to_j, to_k) = (&patch.sides[i], &patch.sides[k]);
+    let (to_j, to_k) = (&patch.edges[i], &patch.edges[k]);
     let half = patch.area2.constant(-0.5);
     let (bend_j, bend_k) = (to_j.bend[0], to_k.bend[1]);
-    let (near_j, near_k) = (Range::of(bend_j * half), Range::of(bend_k * half));
+    let (near_j, near_k) = (Interval::of(bend_j * half), Interval::of(bend_k * half));
     if patch.rule == Rule::Tensor {
-        let across = Range::of(patch.mean_bend(j) * half);
-        return ([near_j, near_k, across], [Range::zero(half); 2]);
+        let across = Interval::of(patch.mean_bend(j) * half);
+        return ([near_j, near_k, across], [Interval::zero(half); 2]);
     }
-    // C = c |d|^2 - 2 n.d with c anywhere between the two sides' curvatures.
+    // C = c |d|^2 - 2 n.d with c anywhere between the two edges' curvatures.
     let between = patch.vertices[i].between;
     let anywhere = (
         [
@@ -198,14 +206,14 @@ fn offset_coefficients<S: Constant>(patch: &Patch<S>, i: usize, curvature: Range
             curvature.scaled(between).plus(near_j).plus(near_k),
         ],
         [
-            curvature.scaled(to_j.length2).plus(Range::of(-bend_j)),
-            curvature.scaled(to_k.length2).plus(Range::of(-bend_k)),
+            curvature.scaled(to_j.length2).plus(Interval::of(-bend_j)),
+            curvature.scaled(to_k.length2).plus(Interval::of(-bend_k)),
         ],
     );
     let by_angle = by_angle(patch, i);
     let width = |of: &Offsets<S>| of.0[2].max_abs() + of.1[0].max_abs() + of.1[1].max_abs();
     let narrower = width(&by_angle).less(width(&anywhere));
-    let choose = |a, b| Range::select(narrower, a, b);
+    let choose = |a, b| Interval::select(narrower, a, b);
     (
         three(|n| choose(by_angle.0[n], anywhere.0[n])),
         [0, 1].map(|n| choose(by_angle.1[n], anywhere.1[n])),
@@ -213,20 +221,20 @@ fn offset_coefficients<S: Constant>(patch: &Patch<S>, i: usize, curvature: Range
 }
 
 /// The same for the angular rule on thin triangles, where the direction to a point at the far end
-/// of a long side is all but that side's own.
+/// of a long edge is all but that edge's own.
 ///
 /// With u the share of the angle, `u |d|^2 = b_j l_j |d| (theta' / theta) (sin theta / sin theta')`,
 /// which lies between `s b_j l_j (b_j l_j + b_k l_k cos theta)`, s being `sin theta / theta`, and
 /// `b_j l_j (b_j l_j + b_k l_k)`; likewise for `1 - u`.
 fn by_angle<S: Constant>(patch: &Patch<S>, i: usize) -> Offsets<S> {
     let k = next(next(i));
-    let (to_j, to_k) = (&patch.sides[i], &patch.sides[k]);
+    let (to_j, to_k) = (&patch.edges[i], &patch.edges[k]);
     let between = patch.vertices[i].between;
     let (bend_j, bend_k) = (to_j.bend[0], to_k.bend[1]);
     let [zero, half, one] = [0.0, 0.5, 1.0].map(|value| between.constant(value));
     let product = Real::sqrt(to_j.length2 * to_k.length2);
     let least = patch.area2 / product * patch.vertices[i].inverse_angle;
-    let share = Range {
+    let share = Interval {
         lo: (least * between).lesser(zero),
         hi: product,
     }
@@ -234,15 +242,19 @@ fn by_angle<S: Constant>(patch: &Patch<S>, i: usize) -> Offsets<S> {
     let mixed = share
         .scaled(bend_j / to_j.length2)
         .plus(share.scaled(bend_k / to_k.length2))
-        .plus(Range::of(-(bend_j + bend_k) * half));
-    let corner = |bend: S| Range::between(bend * (least - one), zero);
+        .plus(Interval::of(-(bend_j + bend_k) * half));
+    let corner = |bend: S| Interval::between(bend * (least - one), zero);
     (
-        [Range::of(-bend_j * half), Range::of(-bend_k * half), mixed],
+        [
+            Interval::of(-bend_j * half),
+            Interval::of(-bend_k * half),
+            mixed,
+        ],
         [corner(bend_j), corner(bend_k)],
     )
 }
 
-impl<S: Constant> Spread<S> {
+impl<S: Constant> HeightIntervals<S> {
     /// Whether the curvature tensor may be used: no guide comes near to missing a sphere.
     #[inline(always)]
     pub fn is_tame(&self) -> S::Mask {
@@ -279,31 +291,31 @@ impl<S: Constant> Spread<S> {
 }
 
 /// Bernstein coefficients of the height, each with its range: the three corners are zero, then
-/// the sides' inner points and the centre.
+/// the edges' inner points and the centre.
 pub(crate) struct HeightNet<S> {
-    /// `[near first, near second]` of each side.
-    pub sides: [[Range<S>; 2]; 3],
-    pub centre: Range<S>,
+    /// `[near first, near second]` of each edge.
+    pub edges: [[Interval<S>; 2]; 3],
+    pub centre: Interval<S>,
 }
 
 impl<S: Constant> HeightNet<S> {
     /// Without the correction.
     #[inline(always)]
-    pub fn new(patch: &Patch<S>, spread: &Spread<S>) -> Self {
+    pub fn new(patch: &Patch<S>, intervals: &HeightIntervals<S>) -> Self {
         let third = patch.area2.constant(1.0 / 3.0);
         let reach = three(
             #[inline(always)]
-            |i| spread.vertices[i].reach.times(spread.damping),
+            |i| intervals.vertices[i].reach.times(intervals.damping),
         );
         let middle = inlined(
             #[inline(always)]
-            |i: usize, at: usize| spread.vertices[i].middles[at].times(reach[i]),
+            |i: usize, at: usize| intervals.vertices[i].middles[at].times(reach[i]),
         );
         let corner = inlined(
             #[inline(always)]
-            |i: usize, at: usize| spread.vertices[i].corners[at].times(reach[i]),
+            |i: usize, at: usize| intervals.vertices[i].corners[at].times(reach[i]),
         );
-        let sides = three(
+        let edges = three(
             #[inline(always)]
             |k| {
                 let (i, j) = (k, next(k));
@@ -315,7 +327,7 @@ impl<S: Constant> HeightNet<S> {
         );
         let across = middle(0, 2).plus(middle(1, 2)).plus(middle(2, 2));
         Self {
-            sides,
+            edges,
             centre: across.scaled(third),
         }
     }
@@ -323,32 +335,32 @@ impl<S: Constant> HeightNet<S> {
     /// With the patch's correction.
     #[inline(always)]
     pub fn corrected(self, patch: &Patch<S>) -> Self {
-        let like = patch.area2;
-        let loose = loose_reach(patch) * like.constant(1.0 / 9.0);
+        let lanes = patch.area2;
+        let loose = loose_reach(patch) * lanes.constant(1.0 / 9.0);
         let widened = inlined(
             #[inline(always)]
-            |[first, second]: [Range<S>; 2]| [first.widened(loose), second.widened(loose)],
+            |[first, second]: [Interval<S>; 2]| [first.widened(loose), second.widened(loose)],
         );
-        let [a, b, c] = self.sides;
-        let turned = correction_range(patch).scaled(like.constant(1.0 / 6.0));
+        let [a, b, c] = self.edges;
+        let turned = correction_range(patch).scaled(lanes.constant(1.0 / 6.0));
         Self {
-            sides: [widened(a), widened(b), widened(c)],
+            edges: [widened(a), widened(b), widened(c)],
             centre: self.centre.plus(turned),
         }
     }
 
     /// The range of all heights.
     #[inline(always)]
-    fn hull(&self) -> Range<S> {
-        let mut hull = Range::zero(self.centre.lo);
+    fn hull(&self) -> Interval<S> {
+        let mut hull = Interval::zero(self.centre.lo);
         each(
             #[inline(always)]
-            |k| hull = hull.hull(self.sides[k][0]).hull(self.sides[k][1]),
+            |k| hull = hull.hull(self.edges[k][0]).hull(self.edges[k][1]),
         );
         hull.hull(self.centre)
     }
 
-    /// Whether the heights stay within what a triangle of this size, with sides that bend this
+    /// Whether the heights stay within what a triangle of this size, with edges that bend this
     /// much, may stand for.
     #[inline(always)]
     pub fn is_low(&self, patch: &Patch<S>) -> S::Mask {
@@ -360,7 +372,7 @@ impl<S: Constant> HeightNet<S> {
         each(
             #[inline(always)]
             |k| {
-                let [first, second] = patch.sides[k].bend;
+                let [first, second] = patch.edges[k].bend;
                 bend = bend.greater(first.abs()).greater(second.abs());
             },
         );
@@ -372,8 +384,8 @@ impl<S: Constant> HeightNet<S> {
     #[inline(always)]
     pub fn slab(&self) -> [S; 2] {
         let hull = self.hull();
-        let like = hull.lo;
-        let room = hull.max_abs() * like.constant(1e-3) + like.constant(32.0 * S::PRECISION);
+        let lanes = hull.lo;
+        let room = hull.max_abs() * lanes.constant(1e-3) + lanes.constant(32.0 * S::PRECISION);
         let hull = hull.widened(room);
         [hull.lo, hull.hi]
     }
@@ -388,7 +400,7 @@ fn loose_reach<S: Constant>(patch: &Patch<S>) -> S {
     each(
         #[inline(always)]
         |k| {
-            let [first, second] = patch.sides[k].loose.map(u32::from);
+            let [first, second] = patch.edges[k].loose.map(u32::from);
             if first + second > 0 {
                 let doubled = most.constant(f64::from(1u32 << (first + second)));
                 most = most.greater(slope_range(patch, k).max_abs() * doubled);
@@ -398,17 +410,19 @@ fn loose_reach<S: Constant>(patch: &Patch<S>) -> S {
     most
 }
 
-/// The values a side's slope takes.
+/// The values an edge's slope takes.
 #[inline(always)]
-fn slope_range<S: Constant>(patch: &Patch<S>, k: usize) -> Range<S> {
-    let [c0, c1, c2] = patch.sides[k].correction;
-    let middle = Range::of(c0 + c1 * c1.constant(0.5));
-    Range::of(c0).hull(middle).hull(Range::of(c0 + c1 + c2))
+fn slope_range<S: Constant>(patch: &Patch<S>, k: usize) -> Interval<S> {
+    let [c0, c1, c2] = patch.edges[k].correction;
+    let middle = Interval::of(c0 + c1 * c1.constant(0.5));
+    Interval::of(c0)
+        .hull(middle)
+        .hull(Interval::of(c0 + c1 + c2))
 }
 
 /// The values the correction's weighted slope takes.
 #[inline(always)]
-fn correction_range<S: Constant>(patch: &Patch<S>) -> Range<S> {
+fn correction_range<S: Constant>(patch: &Patch<S>) -> Interval<S> {
     let [a, b, c] = three(
         #[inline(always)]
         |k| slope_range(patch, k),

@@ -8,6 +8,6 @@ mod sphere;
 mod unevenness;
 
 pub(crate) use clip_planes::{OVERLAP_EPSILONS, RAY_EPSILONS};
-pub(crate) use heights::{HeightNet, spread};
-pub use reach::Reach;
+pub(crate) use heights::{HeightNet, height_intervals};
+pub use reach::DirectionalBounds;
 pub(crate) use unevenness::HEIGHT;

@@ -1,7 +1,7 @@
 //! How far curved triangles reach along any direction, from what is kept of them.
 
 use crate::numbers::{Constant, Vector, inlined, three, vector};
-use crate::patch::Frame;
+use crate::patch::TriangleFrame;
 
 /// Below this cosine between a vertex normal and the plane's, guides may lean more than can be said ...
 const MIN_COSINE: f64 = 0.05;
@@ -10,7 +10,7 @@ const ANY_LEAN: f64 = 1e6;
 
 /// A triangle in its plane and what its surface may stand out from there, for its box along any direction.
 #[derive(Clone, Copy, Debug)]
-pub struct Reach<V> {
+pub struct DirectionalBounds<V> {
     corners: [Vector<V>; 3],
     normal: Vector<V>,
     heights: [V; 2],
@@ -18,12 +18,12 @@ pub struct Reach<V> {
     lean: V,
 }
 
-impl<V: Constant> Reach<V> {
+impl<V: Constant> DirectionalBounds<V> {
     /// Of a triangle over three positions with unit normals, with a surface within these least and greatest
     /// heights in units of the [size](super::Patch::size). Of a plane triangle both are zero.
     #[inline(always)]
     pub fn new(positions: [Vector<V>; 3], normals: &[Vector<V>; 3], slab: [V; 2]) -> Self {
-        let frame = Frame::of_sound(&positions, normals);
+        let frame = TriangleFrame::of_sound(&positions, normals);
         let (zero, one) = (frame.area2.constant(0.0), frame.area2.constant(1.0));
         let has_plane = zero.less(frame.area2);
         let per_area = frame.winding / V::select(has_plane, frame.area2, one);
@@ -63,15 +63,15 @@ impl<V: Constant> Reach<V> {
 
     /// The ways from vertex to vertex.
     #[inline(always)]
-    pub fn sides(&self) -> [Vector<V>; 3] {
+    pub fn edges(&self) -> [Vector<V>; 3] {
         let [a, b, c] = self.corners;
         [b - a, c - b, a - c]
     }
 
-    /// Whether the triangle's lower end along a direction is more of a side than of a corner: there are two
+    /// Whether the triangle's lower end along a direction is more of an edge than of a corner: there are two
     /// vertices nearby.
     #[inline(always)]
-    pub fn has_side_below(&self, direction: Vector<V>) -> V::Mask {
+    pub fn has_edge_below(&self, direction: Vector<V>) -> V::Mask {
         let [a, b, c] = three(
             #[inline(always)]
             |i| direction.dot(self.corners[i] - self.corners[0]),
@@ -107,9 +107,9 @@ impl<V: Constant> Reach<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::build::Prepared;
-    use crate::patch::{Corners, PatchFlags, PatchKind, Surface};
-    use crate::store::KeptPatch;
+    use crate::build::BuiltPatch;
+    use crate::patch::{PatchFlags, PatchKind, Surface, TriangleVertices};
+    use crate::store::PackedTriangle;
     use crate::tests::{Random, rounded};
 
     #[test]
@@ -118,17 +118,17 @@ mod tests {
         let (mut points, mut widest) = (0, 0f32);
         for n in 0..2000 {
             let (positions, normals) = random.triangle([2.0, 10.0, 25.0, 50.0][n % 4], 0.6);
-            let corners = Corners {
+            let corners = TriangleVertices {
                 positions: rounded(positions),
                 normals: rounded(normals),
             };
-            let record = Prepared::new(&corners, PatchFlags::new(Surface::ALL[n % 3])).record;
-            let kept = KeptPatch::new(corners, &record);
-            if record.kind() == PatchKind::Degenerate {
+            let packed = BuiltPatch::new(&corners, PatchFlags::new(Surface::ALL[n % 3])).packed;
+            let kept = PackedTriangle::new(corners, &packed);
+            if packed.kind() == PatchKind::Degenerate {
                 continue;
             }
-            let slab = record.slab().unwrap_or([0.0; 2]);
-            let reach = Reach::new(corners.positions, &corners.normals, slab);
+            let slab = packed.slab().unwrap_or([0.0; 2]);
+            let reach = DirectionalBounds::new(corners.positions, &corners.normals, slab);
             let (patch, from) = (kept.patch(), corners.positions[n % 3]);
             let direction = Vector::from_f64(random.direction());
             let [lower, upper] = reach.along(direction, from);

@@ -1,43 +1,43 @@
 //! The paper's bound of a patch: the sphere of greatest curvature (sections 4.4 and 4.8).
 //!
 //! It is the sphere (3) on the triangle's circumscribed circle: of all through the three vertices the
-//! one with the least radius. With the three side planes (5) it closes the region of interpolation,
+//! one with the least radius. With the three edge planes (5) it closes the region of interpolation,
 //! in which the paper looks for the roots of (44). Two cases are not the paper's:
 //!
 //! - **Enlarged.** Where the vertex normals lean so far that the surface leaves the sphere, or that
 //!   bounds cannot tell that it does not, the sphere grows about its centre until it holds the bound.
 //! - **Limited.** The circle of a needle or of a very obtuse triangle is many times as large as the
 //!   triangle, without end as the triangle loses its area. Where its centre would lie more than twice
-//!   the longest side's length beyond that side, it is moved up to there, along the side's
-//!   perpendicular bisector; the circle through the side's ends still holds the third vertex.
+//!   the longest edge's length beyond that edge, it is moved up to there, along the edge's
+//!   perpendicular bisector; the circle through the edge's ends still holds the third vertex.
 //!
 //! A flat triangle has no sphere: its box is its vertices', and the crossing of its plane decides.
 
 use super::heights::HeightNet;
-use crate::numbers::{Range, Scalar, Vector, three, vector};
-use crate::patch::{Enlargement, Frame, Patch, Sphere, next};
+use crate::numbers::{Interval, Scalar, Vector, three, vector};
+use crate::patch::{Enlargement, Patch, Sphere, TriangleFrame, next};
 
-/// How far beyond the longest side a centre may lie, in lengths of that side. At this limit the
+/// How far beyond the longest edge a centre may lie, in lengths of that edge. At this limit the
 /// triangle's greatest angle is 166 degrees, and the radius 2.06 lengths.
 const MAX_CENTRE: f64 = 2.0;
 
 impl<S: Scalar> Sphere<S> {
     /// The sphere on the circumscribed circle, or the limited one.
     #[inline]
-    fn on_circle(frame: &Frame<S>) -> Self {
+    fn on_circle(frame: &TriangleFrame<S>) -> Self {
         let longest = frame.longest;
-        let edge = longest.pick_vector(frame.edges);
+        let edge_vector = longest.pick_vector(frame.edge_vectors);
         let length2 = longest.pick(frame.lengths2);
         let length = length2.sqrt();
-        let [a, b, c] = frame.edges;
+        let [a, b, c] = frame.edge_vectors;
         let corner = longest.pick_vector([a * S::from_f64(0.0), a, -c]);
         let half = S::from_f64(0.5);
-        let middle = corner + edge * half;
-        let inward = frame.cross.cross(edge) * (S::from_f64(1.0) / (frame.area2 * length));
+        let middle = corner + edge_vector * half;
+        let inward = frame.cross.cross(edge_vector) * (S::from_f64(1.0) / (frame.area2 * length));
         let height = frame.area2 / length;
-        let foot = -longest.pick_vector([c, a, b]).dot(edge) / length2;
+        let foot = -longest.pick_vector([c, a, b]).dot(edge_vector) / length2;
         // How far the centre lies inward of the middle: as far from the opposite vertex as from the
-        // side's ends.
+        // edge's ends.
         let beside = length2 * foot * (S::from_f64(1.0) - foot);
         let offset = (height - beside / height) * half;
         let limit = length * S::from_f64(-MAX_CENTRE);
@@ -52,7 +52,7 @@ impl<S: Scalar> Sphere<S> {
     }
 
     /// The same, enlarged until it holds the surface whose heights are these.
-    pub(crate) fn around(frame: &Frame<S>, patch: &Patch<S>, net: &HeightNet<S>) -> Self {
+    pub(crate) fn around(frame: &TriangleFrame<S>, patch: &Patch<S>, net: &HeightNet<S>) -> Self {
         let sphere = Self::on_circle(frame);
         let furthest = sphere.furthest(patch, net);
         let ratio = furthest.to_f64() / sphere.radius.to_f64();
@@ -61,7 +61,7 @@ impl<S: Scalar> Sphere<S> {
 
     /// The sphere again, from what is [kept](Self::enlargement) of it.
     #[inline]
-    pub(crate) fn of_record(frame: &Frame<S>, enlargement: Enlargement) -> Self {
+    pub(crate) fn unpacked(frame: &TriangleFrame<S>, enlargement: Enlargement) -> Self {
         Self::on_circle(frame).enlarged(enlargement)
     }
 
@@ -83,7 +83,7 @@ impl<S: Scalar> Sphere<S> {
     fn furthest(&self, patch: &Patch<S>, net: &HeightNet<S>) -> S {
         let guides = Self::guides(patch);
         let mut furthest2 = S::from_f64(0.0);
-        let mut reach = |point: Vector<S>, heights: Range<S>| {
+        let mut reach = |point: Vector<S>, heights: Interval<S>| {
             for height in [heights.lo, heights.hi] {
                 for guide in guides {
                     let away = point + guide * height - self.centre;
@@ -98,18 +98,18 @@ impl<S: Scalar> Sphere<S> {
         let third = S::from_f64(1.0 / 3.0);
         for k in 0..3 {
             let (p, q) = (points[k], points[next(k)]);
-            reach((p + p + q) * third, net.sides[k][0]);
-            reach((p + q + q) * third, net.sides[k][1]);
+            reach((p + p + q) * third, net.edges[k][0]);
+            reach((p + q + q) * third, net.edges[k][1]);
         }
         reach((points[1] + points[2]) * third, net.centre);
         furthest2.sqrt()
     }
 
-    /// The guides between which all others of the patch lie: upright on the medians, and each side's.
+    /// The guides between which all others of the patch lie: upright on the medians, and each edge's.
     fn guides(patch: &Patch<S>) -> [Vector<S>; 4] {
         let leaning = three(|k| {
-            let side = &patch.sides[k];
-            patch.normal + patch.gradients[next(next(k))] * (side.height * side.lean)
+            let edge = &patch.edges[k];
+            patch.normal + patch.gradients[next(next(k))] * (edge.height * edge.lean)
         });
         let [a, b, c] = leaning;
         [patch.normal, a, b, c]
@@ -119,7 +119,7 @@ impl<S: Scalar> Sphere<S> {
     pub(crate) fn bounds(&self, patch: &Patch<S>) -> [Vector<S>; 2] {
         let axis = |of: fn(Vector<S>) -> S| {
             let centre = of(self.centre);
-            let inside = Range {
+            let inside = Interval {
                 lo: centre - self.radius,
                 hi: centre + self.radius,
             };
@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn it_stands_on_the_circumscribed_circle() {
-        // Over a right angle the circle's centre is the middle of the longest side.
+        // Over a right angle the circle's centre is the middle of the longest edge.
         let right = over([[0.0, 0.0], [6.0, 0.0], [0.0, 8.0]]);
         assert_box(&right, [-2.0, -1.0, -5.0], [8.0, 9.0, 5.0]);
         let h = 3f64.sqrt();
@@ -211,7 +211,7 @@ mod tests {
             assert_eq!(patch.kind(), PatchKind::Curved);
             assert!(!patch.sphere().unwrap().is_enlarged(), "{degrees}");
         }
-        // One that leans over a side pushes the surface out there.
+        // One that leans over an edge pushes the surface out there.
         let mut random = Random(5);
         let steep = (0..500).filter(|_| {
             let (p, n) = random.triangle(60.0, 0.0);
@@ -286,7 +286,7 @@ mod tests {
             let (p, normals) = (rounded(p), rounded(normals));
             let flags = flags(Surface::ALL[n % 3]);
             let patch = Patch::new(p, normals, flags);
-            let again = Patch::from_record(p, normals, &patch.record(flags));
+            let again = Patch::unpack(p, normals, &patch.pack(flags));
             let numbers = |patch: &Patch<f32>| patch.sphere().map(|s| (s.centre, s.radius));
             assert_eq!(numbers(&patch), numbers(&again));
             assert_eq!(patch.bounds(), again.bounds());

@@ -7,7 +7,7 @@ use crate::patch::{Patch, Rule, next};
 /// at the vertices.
 pub(crate) const HEIGHT: f64 = 0.4;
 /// Room for what the places looked at do not show.
-const ROOM: f64 = 1.3;
+const SAMPLING_FACTOR: f64 = 1.3;
 /// And for what a polynomial cannot follow, for the third power of the greatest slope.
 const CUBED: f64 = 0.25;
 
@@ -40,17 +40,17 @@ impl<S: Constant> Patch<S> {
                 look(b, normals[i]);
             },
         );
-        // Where the angular rule's surface is off most: half-way along a side.
-        let sides: &[_] = match self.rule {
+        // Where the angular rule's surface is off most: half-way along an edge.
+        let edges: &[_] = match self.rule {
             Rule::Angular => &[[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]],
             _ => &[],
         };
-        for &[u, v] in PLACES.iter().chain(sides) {
+        for &[u, v] in PLACES.iter().chain(edges) {
             let (u, v) = (zero.constant(u), zero.constant(v));
             look([one - u - v, u, v], self.normal_at(u, v));
         }
         let cubed = steepest * steepest.sqrt();
-        furthest.sqrt() * zero.constant(ROOM) + cubed * zero.constant(CUBED) + all * zero
+        furthest.sqrt() * zero.constant(SAMPLING_FACTOR) + cubed * zero.constant(CUBED) + all * zero
     }
 
     /// The paraboloid's slope, uphill.
@@ -60,7 +60,7 @@ impl<S: Constant> Patch<S> {
             #[inline(always)]
             |k| {
                 let (i, j) = (k, next(k));
-                (self.gradients[j] * b[i] + self.gradients[i] * b[j]) * self.sides[k].bulge
+                (self.gradients[j] * b[i] + self.gradients[i] * b[j]) * self.edges[k].bulge
             },
         );
         first + second + third
@@ -83,7 +83,7 @@ mod tests {
         let b = [1.0 - b1 - b2, b1, b2];
         let slope = patch.normal - place.normal * (1.0 / place.normal.dot(patch.normal));
         let steeper = (slope - patch.paraboloid_slope(b)).length();
-        let height = (0..3).map(|k| patch.sides[k].bulge * b[k] * b[next(k)]);
+        let height = (0..3).map(|k| patch.edges[k].bulge * b[k] * b[next(k)]);
         let away = (local.dot(patch.normal) - height.sum::<f64>()).abs();
         [steeper, away / HEIGHT].map(|off| off / patch.unevenness)
     }

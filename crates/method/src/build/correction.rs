@@ -1,28 +1,28 @@
-//! Fits the cross-side correction: on each side both neighbours turn their surfaces to one tangent
+//! Fits the cross-edge correction: on each edge both neighbours turn their surfaces to one tangent
 //! plane, which they both know without knowing each other.
 //!
-//! At the share `lambda` along a side the common normal is `(1 - lambda) n_i + lambda n_j`, made
-//! perpendicular to the side's curve. The slope that brings the uncorrected surface there is
+//! At the share `lambda` along an edge the common normal is `(1 - lambda) n_i + lambda n_j`, made
+//! perpendicular to the edge's curve. The slope that brings the uncorrected surface there is
 //! sampled at three places and interpolated by a quadratic: the slope over `lambda (1 - lambda)`
 //! where it vanishes at both ends, without the factor of an end that is loose. See the method's notes in
 //! ARCHITECTURE.md.
 
-use super::edge_derivatives::Rim;
+use super::edge_derivatives::EdgeDerivatives;
 use crate::numbers::{Constant, Real, inlined, three};
 use crate::patch::{Patch, PatchFlags, next};
 
-/// Where along a side the slope is sampled.
+/// Where along an edge the slope is sampled.
 const SAMPLES: [f64; 3] = [0.2, 0.5, 0.8];
-/// Greatest slope the correction adds across a side.
+/// Greatest slope the correction adds across an edge.
 const MAX_TURN: f64 = 0.5;
 /// Cosine of the steepest vertex normal to the plane's: below the first a correction does more
 /// harm than good, from the second on it is taken in full.
 const STEEP: [f64; 2] = [0.3, 0.5];
-/// Twice the area over the square of the longest side: below the first the slopes drown in
+/// Twice the area over the square of the longest edge: below the first the slopes drown in
 /// rounding, from the second on they are taken in full.
 const THIN: [f64; 2] = [3e-3, 1e-2];
 
-/// Sets the correction of every curved side.
+/// Sets the correction of every curved edge.
 #[inline(always)]
 pub(crate) fn fit<S: Constant>(patch: &mut Patch<S>, flags: PatchFlags) {
     let strength = strength(patch);
@@ -31,8 +31,8 @@ pub(crate) fn fit<S: Constant>(patch: &mut Patch<S>, flags: PatchFlags) {
         if flags.is_straight(k) {
             continue;
         }
-        let [first, second] = patch.sides[k].loose;
-        let rim = Rim::new(patch, k);
+        let [first, second] = patch.edges[k].loose;
+        let rim = EdgeDerivatives::new(patch, k);
         // The places next to each other, so that none waits for another's roots.
         let slopes = three(
             #[inline(always)]
@@ -44,7 +44,7 @@ pub(crate) fn fit<S: Constant>(patch: &mut Patch<S>, flags: PatchFlags) {
                 slope(patch, &rim, k, at) * strength * scale
             },
         );
-        patch.sides[k].correction = quadratic(slopes);
+        patch.edges[k].correction = quadratic(slopes);
     }
 }
 
@@ -52,7 +52,7 @@ pub(crate) fn fit<S: Constant>(patch: &mut Patch<S>, flags: PatchFlags) {
 #[inline(always)]
 fn strength<S: Constant>(patch: &Patch<S>) -> S {
     let [a, b, c] = &patch.vertices;
-    let [p, q, r] = &patch.sides;
+    let [p, q, r] = &patch.edges;
     let fade = inlined(
         #[inline(always)]
         |value: S, [from, to]: [f64; 2]| {
@@ -67,20 +67,20 @@ fn strength<S: Constant>(patch: &Patch<S>) -> S {
     fade(steepest, STEEP) * fade(patch.area2 / longest2, THIN)
 }
 
-/// The bubble's slope `nu` at a share of side `k`, times `share (1 - share)`.
+/// The bubble's slope `nu` at a share of edge `k`, times `share (1 - share)`.
 #[inline(always)]
-fn slope<S: Constant>(patch: &Patch<S>, rim: &Rim<S>, k: usize, share: f64) -> S {
-    let side = &patch.sides[k];
+fn slope<S: Constant>(patch: &Patch<S>, rim: &EdgeDerivatives<S>, k: usize, share: f64) -> S {
+    let edge = &patch.edges[k];
     let constant = inlined(
         #[inline(always)]
-        |value: f64| side.lean.constant(value),
+        |value: f64| edge.lean.constant(value),
     );
     let surface = rim.at(share);
     // In the frame (along, inward, up) a point is (x, y + lean h, h). One tangent is by the share along the
-    // side, the other by the opposite vertex's coordinate.
-    let tangent = [side.lean * surface.along, surface.along];
+    // edge, the other by the opposite vertex's coordinate.
+    let tangent = [edge.lean * surface.along, surface.along];
     let across = [
-        side.height + side.lean * surface.across + surface.lean_across * surface.height,
+        edge.height + edge.lean * surface.across + surface.lean_across * surface.height,
         surface.across,
     ];
     let (first, second) = (&patch.vertices[k], &patch.vertices[next(k)]);
@@ -92,17 +92,17 @@ fn slope<S: Constant>(patch: &Patch<S>, rim: &Rim<S>, k: usize, share: f64) -> S
         mix(first.inward[k], second.inward[k]),
         mix(first.normal, second.normal),
     ];
-    // Made perpendicular to the tangent, whose part along the side is the side; times its square, which
+    // Made perpendicular to the tangent, whose part along the edge is the edge; times its square, which
     // cancels.
-    let along = mix(side.bend[0], -side.bend[1]) * constant(0.5);
+    let along = mix(edge.bend[0], -edge.bend[1]) * constant(0.5);
     let part = along + normal[0] * tangent[0] + normal[1] * tangent[1];
-    let square = side.length2 + tangent[0] * tangent[0] + tangent[1] * tangent[1];
+    let square = edge.length2 + tangent[0] * tangent[0] + tangent[1] * tangent[1];
     let [inward, up] = [
         normal[0] * square - tangent[0] * part,
         normal[1] * square - tangent[1] * part,
     ];
-    let most = side.height * constant(MAX_TURN);
-    let turn = -((across[0] * inward + across[1] * up) / (side.lean * inward + up));
+    let most = edge.height * constant(MAX_TURN);
+    let turn = -((across[0] * inward + across[1] * up) / (edge.lean * inward + up));
     turn.greater(-most).lesser(most)
 }
 
@@ -144,14 +144,14 @@ mod tests {
 
     /// What [`slope`] does by hand.
     fn slope_by_dual(patch: &Patch<f64>, k: usize, along: f64) -> f64 {
-        let side = &patch.sides[k];
-        let length = side.length2.sqrt();
-        // The surface as a function of x along the side and y inward.
+        let edge = &patch.edges[k];
+        let length = edge.length2.sqrt();
+        // The surface as a function of x along the edge and y inward.
         let x = Dual::<f64, 2>::variable(along * length, 0);
         let y = Dual::<f64, 2>::variable(0.0, 1);
         let constant = Dual::<f64, 2>::lift;
-        let b_m = y * constant(1.0 / side.height);
-        let b_j = x * constant(1.0 / length) - b_m * constant(side.foot);
+        let b_m = y * constant(1.0 / edge.height);
+        let b_j = x * constant(1.0 / length) - b_m * constant(edge.foot);
         let mut b = [constant(0.0); 3];
         b[k] = constant(1.0) - b_j - b_m;
         b[next(k)] = b_j;
@@ -166,27 +166,27 @@ mod tests {
         let mix = |a: f64, b: f64| a * (1.0 - along) + b * along;
         let half = 0.5 / length;
         let normal = vector(
-            mix(side.bend[0] * half, -(side.bend[1] * half)),
+            mix(edge.bend[0] * half, -(edge.bend[1] * half)),
             mix(first.inward[k], second.inward[k]),
             mix(first.normal, second.normal),
         );
         let normal = normal - tangent * (normal.dot(tangent) / tangent.dot(tangent));
         let guide = vector(0.0, foot.lean.value, 1.0);
         let delta = -(inward.dot(normal) / guide.dot(normal));
-        delta.clamp(-MAX_TURN, MAX_TURN) * side.height
+        delta.clamp(-MAX_TURN, MAX_TURN) * edge.height
     }
 
-    /// The slopes at all places of all sides, over the height of the opposite vertex.
+    /// The slopes at all places of all edges, over the height of the opposite vertex.
     fn turns<S: Scalar>(
         patch: &Patch<S>,
         turn: impl Fn(&Patch<S>, usize, f64) -> S,
     ) -> [[f64; 3]; 3] {
         [0, 1, 2]
-            .map(|k| SAMPLES.map(|at| turn(patch, k, at).to_f64() / patch.sides[k].height.to_f64()))
+            .map(|k| SAMPLES.map(|at| turn(patch, k, at).to_f64() / patch.edges[k].height.to_f64()))
     }
 
     fn by_hand<S: Scalar>(patch: &Patch<S>, k: usize, at: f64) -> S {
-        slope(patch, &Rim::new(patch, k), k, at)
+        slope(patch, &EdgeDerivatives::new(patch, k), k, at)
     }
 
     #[test]

@@ -6,4 +6,4 @@ mod many;
 mod one;
 mod validity;
 
-pub use many::Prepared;
+pub use many::BuiltPatch;

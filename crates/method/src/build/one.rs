@@ -1,18 +1,18 @@
 //! One curved triangle: everything about it that does not depend on the ray.
 //!
 //! All lengths inside a patch are in units of its `size`, a power of two, with the first vertex as
-//! the origin. Scaling by a power of two is exact, so what belongs to a side comes out bit-equal
+//! the origin. Scaling by a power of two is exact, so what belongs to an edge comes out bit-equal
 //! in both triangles that share it.
 
 use super::correction::fit;
 use super::validity::{folds, shears};
-use crate::bounds::{HeightNet, spread};
+use crate::bounds::{HeightNet, height_intervals};
 use crate::numbers::{Constant, Scalar, Vector};
 use crate::patch::{
-    BoundsKind, FlatReason, Frame, Hull, Patch, PatchFlags, PatchKind, Rule, SLIVER_AREA, Sphere,
-    Surface,
+    BoundsKind, ClipVolume, FlatReason, Patch, PatchFlags, PatchKind, Rule, SLIVER_AREA, Sphere,
+    Surface, TriangleFrame,
 };
-use crate::store::{PatchRecord, pack_unevenness, unpack_unevenness};
+use crate::store::{PackedPatch, pack_unevenness, unpack_unevenness};
 
 impl<S: Scalar> Patch<S> {
     /// The curved triangle over three positions with unit normals.
@@ -25,13 +25,13 @@ impl<S: Scalar> Patch<S> {
     }
 
     /// What is kept of the patch, and its box.
-    pub(crate) fn prepared(
+    pub(crate) fn built(
         positions: [Vector<S>; 3],
         normals: [Vector<S>; 3],
         flags: PatchFlags,
-    ) -> (PatchRecord, [Vector<S>; 2]) {
+    ) -> (PackedPatch, [Vector<S>; 2]) {
         let (patch, net) = Self::with_net(positions, normals, flags);
-        (patch.record(flags), patch.bounds_by(net.as_ref()))
+        (patch.pack(flags), patch.bounds_by(net.as_ref()))
     }
 
     /// The patch and what bounds its heights, unless it is flat.
@@ -40,10 +40,10 @@ impl<S: Scalar> Patch<S> {
         normals: [Vector<S>; 3],
         flags: PatchFlags,
     ) -> (Self, Option<HeightNet<S>>) {
-        let Some(frame) = Frame::new(&positions, &normals) else {
+        let Some(frame) = TriangleFrame::new(&positions, &normals) else {
             return (Self::empty(positions[0]), None);
         };
-        let mut patch = Self::laid(&frame, &normals, flags);
+        let mut patch = Self::from_frame(&frame, &normals, flags);
         let mut sphere = None;
         let net = match patch.curve(&normals, flags) {
             Ok(net) => {
@@ -62,7 +62,7 @@ impl<S: Scalar> Patch<S> {
                 None
             }
         };
-        patch.hull = Hull::new(&frame, &normals, patch.curved_slab(), sphere);
+        patch.clip_volume = ClipVolume::new(&frame, &normals, patch.curved_slab(), sphere);
         (patch, net)
     }
 
@@ -71,7 +71,7 @@ impl<S: Scalar> Patch<S> {
         if flags.is_plane() {
             Some(FlatReason::Plane)
         } else if flags.is_flat() {
-            Some(FlatReason::Asked)
+            Some(FlatReason::Requested)
         } else if self.area2 < S::from_f64(SLIVER_AREA) {
             Some(FlatReason::Sliver)
         } else if !self.agrees(normals) {
@@ -93,15 +93,15 @@ impl<S: Scalar> Patch<S> {
         if self.rule == Rule::Angular {
             self.set_angles();
         }
-        let mut looked_at = self.look();
+        let mut checks = self.look();
         if !flags.is_unchecked() {
-            if self.rule == Rule::Tensor && !(looked_at.tame & looked_at.low) {
+            if self.rule == Rule::Tensor && !(checks.tame & checks.low) {
                 self.rule = Rule::Angular;
                 self.kind = PatchKind::Fallback;
                 self.set_angles();
-                looked_at = self.look();
+                checks = self.look();
             }
-            if !(looked_at.reaches & looked_at.low) || shears(self) {
+            if !(checks.reaches & checks.low) || shears(self) {
                 return Err(FlatReason::Bend);
             }
             if folds(self) {
@@ -111,25 +111,25 @@ impl<S: Scalar> Patch<S> {
         if flags.surface() == Surface::Smooth {
             self.correct(flags);
         }
-        Ok(looked_at.net.corrected(self))
+        Ok(checks.net.corrected(self))
     }
 
-    /// As [`Patch::looked_at`]; asked for twice, but there once.
+    /// As [`Patch::checks`]; asked for twice, but there once.
     #[inline(never)]
-    fn look(&self) -> LookedAt<S> {
-        self.looked_at()
+    fn look(&self) -> SurfaceChecks<S> {
+        self.checks()
     }
 }
 
 impl<S: Constant> Patch<S> {
     /// What the bounds say of the surface by the present rule.
     #[inline(always)]
-    pub(crate) fn looked_at(&self) -> LookedAt<S> {
-        let spread = spread(self);
-        let net = HeightNet::new(self, &spread);
-        LookedAt {
-            tame: spread.is_tame(),
-            reaches: spread.reaches(),
+    pub(crate) fn checks(&self) -> SurfaceChecks<S> {
+        let intervals = height_intervals(self);
+        let net = HeightNet::new(self, &intervals);
+        SurfaceChecks {
+            tame: intervals.is_tame(),
+            reaches: intervals.reaches(),
             low: net.is_low(self),
             net,
         }
@@ -144,7 +144,7 @@ impl<S: Constant> Patch<S> {
 }
 
 /// What bounds say of a surface.
-pub(crate) struct LookedAt<S: Constant> {
+pub(crate) struct SurfaceChecks<S: Constant> {
     /// Whether the curvature tensor may be used.
     pub tame: S::Mask,
     /// Whether every guide meets every sphere.

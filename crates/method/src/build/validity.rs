@@ -1,23 +1,23 @@
-//! Whether a triangle's guides or its sides stand so that its surface would fold over or stand upright:
+//! Whether a triangle's guides or its edges stand so that its surface would fold over or stand upright:
 //! conservative.
 
 use crate::evaluate::MIN_DAMPING_FACTOR;
 use crate::numbers::{Constant, Real, Vector, each, inlined};
 use crate::patch::{Patch, next};
 
-/// Largest share of the way to the median by which a guide on the side may lean over at the
+/// Largest share of the way to the median by which a guide on the edge may lean over at the
 /// surface's height, before the guide field counts as folded.
 const MAX_FOLD: f64 = 0.7;
-/// Greatest slope between the middles of two sides.
+/// Greatest slope between the middles of two edges.
 const MAX_SHEAR: f64 = 1.0;
 
-/// Whether two sides bulge so differently, for how close they run, that the surface between them
-/// would stand like a wall: a needle with one straight side and one curved one.
+/// Whether two edges bulge so differently, for how close they run, that the surface between them
+/// would stand like a wall: a needle with one straight edge and one curved one.
 #[inline(always)]
 pub(crate) fn shears<S: Constant>(patch: &Patch<S>) -> S::Mask {
-    let [a, b, c] = &patch.sides;
+    let [a, b, c] = &patch.edges;
     let least = a.height.lesser(b.height).lesser(c.height);
-    // A side's middle is about an eighth of its mean bend off the plane.
+    // An edge's middle is about an eighth of its mean bend off the plane.
     let most = least * least.constant(8.0 * MAX_SHEAR);
     let mut runs = least.mask(true);
     each(
@@ -30,32 +30,36 @@ pub(crate) fn shears<S: Constant>(patch: &Patch<S>) -> S::Mask {
     !runs
 }
 
-/// Whether the guides of some side lean over so far, at the surface's height, that they come near
+/// Whether the guides of some edge lean over so far, at the surface's height, that they come near
 /// to crossing those of the median; where they did, the surface would crack.
 ///
-/// Looks at the limits at both ends of a side, at the median's corner, and halfway.
+/// Looks at the limits at both ends of an edge, at the median's corner, and halfway.
 #[inline(always)]
 pub(crate) fn folds<S: Constant>(patch: &Patch<S>) -> S::Mask {
     let mut stands = patch.area2.mask(true);
     for k in 0..3 {
-        stands = stands & stands_on_side(patch, k);
+        stands = stands & stands_on_edge(patch, k);
     }
     !stands
 }
 
-/// Whether the guides of a side do not fold.
+/// Whether the guides of an edge do not fold.
 #[inline(always)]
-fn stands_on_side<S: Constant>(patch: &Patch<S>, k: usize) -> S::Mask {
-    let side = &patch.sides[k];
-    let like = side.foot;
-    let (zero, half, one) = (like.constant(0.0), like.constant(0.5), like.constant(1.0));
-    let most = like.constant(MAX_FOLD);
-    let third = like.constant(1.0 / 3.0);
-    let centroid = S::select(side.obtuse, half, (one + side.foot) * third);
-    let ramp = ramp_rise(side.foot);
+fn stands_on_edge<S: Constant>(patch: &Patch<S>, k: usize) -> S::Mask {
+    let edge = &patch.edges[k];
+    let lanes = edge.foot;
+    let (zero, half, one) = (
+        lanes.constant(0.0),
+        lanes.constant(0.5),
+        lanes.constant(1.0),
+    );
+    let most = lanes.constant(MAX_FOLD);
+    let third = lanes.constant(1.0 / 3.0);
+    let centroid = S::select(edge.obtuse, half, (one + edge.foot) * third);
+    let ramp = ramp_rise(edge.foot);
     let rise = inlined(
         #[inline(always)]
-        |end: usize| S::select(side.obtuse, ramp[end], side.rise[end]),
+        |end: usize| S::select(edge.obtuse, ramp[end], edge.rise[end]),
     );
     let places = [
         zero,
@@ -64,7 +68,7 @@ fn stands_on_side<S: Constant>(patch: &Patch<S>, k: usize) -> S::Mask {
         (one + centroid) * half,
         one,
     ];
-    let mut stands = like.mask(true);
+    let mut stands = lanes.mask(true);
     for along in places {
         // The height over lambda (1 - lambda), and the median over the same.
         let lift =
@@ -72,13 +76,13 @@ fn stands_on_side<S: Constant>(patch: &Patch<S>, k: usize) -> S::Mask {
         let near_first = along.at_most(centroid);
         let room =
             S::select(near_first, rise(0), rise(1)) / S::select(near_first, one - along, along);
-        stands = stands & (side.tilt * lift).less(most * room);
+        stands = stands & (edge.tilt * lift).less(most * room);
     }
     stands
 }
 
-/// What [`Side::rise`](super::patch::Side::rise) is to the paper's planes, for the ramp of obtuse
-/// triangles: the ramp `b_m / min(b_i, b_j)` is steepest at the median or at the side.
+/// What [`Edge::rise`](super::patch::Edge::rise) is to the paper's planes, for the ramp of obtuse
+/// triangles: the ramp `b_m / min(b_i, b_j)` is steepest at the median or at the edge.
 #[inline(always)]
 fn ramp_rise<S: Constant>(foot: S) -> [S; 2] {
     let one = foot.constant(1.0);
@@ -89,17 +93,17 @@ fn ramp_rise<S: Constant>(foot: S) -> [S; 2] {
     [steepness(one + foot), steepness(one + one - foot)]
 }
 
-/// `t_i / (lambda (1 - lambda) b_i)` on side `k`, where the guide is perpendicular to the side.
+/// `t_i / (lambda (1 - lambda) b_i)` on edge `k`, where the guide is perpendicular to the edge.
 #[inline(always)]
 fn end_lift<S: Constant>(patch: &Patch<S>, k: usize, end: usize, along: S) -> S {
-    let side = &patch.sides[k];
+    let edge = &patch.edges[k];
     let vertex = &patch.vertices[if end == 0 { k } else { next(k) }];
     let one = along.constant(1.0);
     let share = along * (one - along);
     let floor = along.constant(MIN_DAMPING_FACTOR);
-    let bend = -side.bend[end] * (one - side.damping * share).greater(floor);
-    let half_b = vertex.normal + side.lean * vertex.inward[k];
-    let a = side.bend[end] / side.length2 * (one + side.lean * side.lean);
+    let bend = -edge.bend[end] * (one - edge.damping * share).greater(floor);
+    let half_b = vertex.normal + edge.lean * vertex.inward[k];
+    let a = edge.bend[end] / edge.length2 * (one + edge.lean * edge.lean);
     let discriminant = half_b * half_b - a * bend * share;
     bend / (half_b + Real::sqrt(discriminant.greater(along.constant(0.0))))
 }

@@ -1,9 +1,9 @@
 //! The guide field (section 4.3) and its inverse.
 //!
-//! On a side the guide lies in the plane (5) through the side and the sum of its two normals; on
-//! the medians it is the plane's normal; in between it turns along the perpendicular to the side,
+//! On an edge the guide lies in the plane (5) through the edge and the sum of its two normals; on
+//! the medians it is the plane's normal; in between it turns along the perpendicular to the edge,
 //! (26) to (28). The guide over the foot is `nc + lean w` with `w` the inward perpendicular of the
-//! side whose sub-triangle the foot lies in.
+//! edge whose sub-triangle the foot lies in.
 
 use crate::numbers::{
     Constant, Jet, Real, Vector, at_least, capped, inlined, lesser, ratio_or_zero,
@@ -15,7 +15,7 @@ use crate::patch::{Choice, Patch, Rule};
 pub(crate) struct Foot<V: Real, T> {
     /// Barycentric coordinates.
     pub b: [T; 3],
-    /// How far the guide leans inward over the chosen side, for a unit of height.
+    /// How far the guide leans inward over the chosen edge, for a unit of height.
     pub lean: T,
     /// The sub-triangle.
     pub choice: Choice<V>,
@@ -31,32 +31,32 @@ impl<S: Constant> Patch<S> {
         )
     }
 
-    /// The guide over a plane point of the sub-triangle of the chosen side.
+    /// The guide over a plane point of the sub-triangle of the chosen edge.
     #[inline(always)]
     pub(crate) fn foot_in<V: Real<Scalar = S>, T: Jet<V>>(
         &self,
         b: [T; 3],
         choice: Choice<V>,
     ) -> Foot<V, T> {
-        let like = choice.like;
-        let one = like.constant(1.0);
-        let sides = &self.sides;
+        let lanes = choice.lanes;
+        let one = lanes.constant(1.0);
+        let edges = &self.edges;
         let b_i = choice.pick(b);
         let b_m = choice.pick([b[2], b[0], b[1]]);
         let b_j = choice.pick([b[1], b[2], b[0]]);
-        let along = b_m.times_add(choice.constant(|k| sides[k].foot), b_j);
+        let along = b_m.times_add(choice.constant(|k| edges[k].foot), b_j);
         let limit = self.median(along, choice);
         let ramp = if self.any_obtuse {
-            T::select(choice.truth(|k| sides[k].obtuse), lesser(b_i, b_j), limit)
+            T::select(choice.truth(|k| edges[k].obtuse), lesser(b_i, b_j), limit)
         } else {
             limit
         };
-        // At a vertex both the point and its median are at the side: there the guide is the side's.
-        let tiny = like.constant(1e-30);
+        // At a vertex both the point and its median are at the edge: there the guide is the edge's.
+        let tiny = lanes.constant(1e-30);
         let share = ratio_or_zero(b_m, ramp, tiny);
         let lean = (-capped(share, one))
             .plus(one)
-            .times(choice.constant(|k| sides[k].lean));
+            .times(choice.constant(|k| edges[k].lean));
         Foot { b, lean, choice }
     }
 
@@ -67,7 +67,7 @@ impl<S: Constant> Patch<S> {
     #[inline(always)]
     pub(crate) fn foot_under<V: Real<Scalar = S>>(&self, above: [V; 3], z: V) -> Foot<V, V> {
         let (zero, one) = (z.constant(0.0), z.constant(1.0));
-        let sides = &self.sides;
+        let edges = &self.edges;
         let choice = Choice::<V>::nearest(above);
         if self.rule == Rule::Flat {
             return Foot {
@@ -76,10 +76,10 @@ impl<S: Constant> Patch<S> {
                 choice,
             };
         }
-        let foot = choice.constant(|k| sides[k].foot);
+        let foot = choice.constant(|k| edges[k].foot);
         let above_m = choice.pick([above[2], above[0], above[1]]);
         let above_j = choice.pick([above[1], above[2], above[0]]);
-        let shift = choice.constant(|k| sides[k].tilt) * z;
+        let shift = choice.constant(|k| edges[k].tilt) * z;
         let along = above_m.mul_add(foot, above_j);
         let held = along.greater(zero).lesser(one);
         let limit = self.median(held, choice);
@@ -91,7 +91,7 @@ impl<S: Constant> Patch<S> {
         let mut b_j = held.less_product(b_m, foot);
         let mut turn = one - share;
         if self.any_obtuse {
-            let obtuse = choice.truth(|k| sides[k].obtuse);
+            let obtuse = choice.truth(|k| edges[k].obtuse);
             let (ramp_m, ramp_share) = ramp_under(along, foot, above_m, shift);
             b_m = V::select(obtuse, ramp_m, b_m);
             b_j = V::select(obtuse, along.less_product(ramp_m, foot), b_j);
@@ -100,7 +100,7 @@ impl<S: Constant> Patch<S> {
         let b_i = one - b_j - b_m;
         Foot {
             b: choice.placed([b_i, b_j, b_m]),
-            lean: turn * choice.constant(|k| sides[k].lean),
+            lean: turn * choice.constant(|k| edges[k].lean),
             choice,
         }
     }
@@ -116,9 +116,9 @@ impl<S: Constant> Patch<S> {
         z: V,
     ) -> V {
         let choice = foot.choice;
-        let out = foot.lean * z * choice.constant(|k| self.sides[k].per_height);
-        let back = out * choice.constant(|k| self.sides[k].foot);
-        // How the chosen side's first, second and opposite coordinate change along the guide.
+        let out = foot.lean * z * choice.constant(|k| self.edges[k].per_height);
+        let back = out * choice.constant(|k| self.edges[k].foot);
+        // How the chosen edge's first, second and opposite coordinate change along the guide.
         let shift = [back - out, -back, out];
         let missed = inlined(
             #[inline(always)]
@@ -135,11 +135,11 @@ impl<S: Constant> Patch<S> {
     /// The coordinate of the opposite vertex where the perpendicular at `along` meets the median.
     #[inline(always)]
     fn median<V: Real<Scalar = S>, T: Jet<V>>(&self, along: T, choice: Choice<V>) -> T {
-        let from_first = along.times(choice.constant(|k| self.sides[k].rise[0]));
+        let from_first = along.times(choice.constant(|k| self.edges[k].rise[0]));
         let from_second = (-along)
-            .plus(choice.like.constant(1.0))
-            .times(choice.constant(|k| self.sides[k].rise[1]));
-        at_least(lesser(from_first, from_second), choice.like.constant(0.0))
+            .plus(choice.lanes.constant(1.0))
+            .times(choice.constant(|k| self.edges[k].rise[1]));
+        at_least(lesser(from_first, from_second), choice.lanes.constant(0.0))
     }
 }
 

@@ -7,8 +7,8 @@ use crate::numbers::{
 };
 use crate::patch::{Patch, Rule, next};
 
-/// The damping factor's floor: where three sides disagree strongly it would turn negative. A side
-/// alone takes it down to 0.1 at most, so that no side's slope hangs on which of two equals wins.
+/// The damping factor's floor: where three edges disagree strongly it would turn negative. An edge
+/// alone takes it down to 0.1 at most, so that no edge's slope hangs on which of two equals wins.
 pub(crate) const MIN_DAMPING_FACTOR: f64 = 0.09;
 
 /// Where `b1 b2 + b2 b3 + b3 b1` is below the first, outside the triangle, there is no correction;
@@ -35,17 +35,17 @@ impl<S: Constant> Patch<S> {
         }
     }
 
-    /// The height without the cross-side correction.
+    /// The height without the cross-edge correction.
     #[inline(always)]
     pub(crate) fn uncorrected<V: Real<Scalar = S>, T: Jet<V>>(&self, foot: &Foot<V, T>) -> T {
-        let like = foot.lean.value();
+        let lanes = foot.lean.value();
         if self.rule == Rule::Flat {
-            return T::lift(like.constant(0.0));
+            return T::lift(lanes.constant(0.0));
         }
         let b = foot.b;
         let damping = self.damping_factor(b);
-        let guide2 = foot.lean.mul_add(foot.lean, T::lift(like.constant(1.0)));
-        let height = foot.choice.constant(|k| self.sides[k].height);
+        let guide2 = foot.lean.mul_add(foot.lean, T::lift(lanes.constant(1.0)));
+        let height = foot.choice.constant(|k| self.edges[k].height);
         let up = foot.choice.pick([b[2], b[0], b[1]]).times(height);
         let spheres = three(
             #[inline(always)]
@@ -67,14 +67,14 @@ impl<S: Constant> Patch<S> {
         height: V,
     ) -> Quadratic<T> {
         let (j, k) = (next(i), next(next(i)));
-        let like = height;
+        let lanes = height;
         let (b_j, b_k) = (foot.b[j], foot.b[k]);
         let vertex = &self.vertices[i];
         let length2 = inlined(
             #[inline(always)]
-            |side: usize| like.splat(self.sides[side].length2),
+            |edge: usize| lanes.splat(self.edges[edge].length2),
         );
-        let between = (b_j * b_k).times(like.splat(vertex.between + vertex.between));
+        let between = (b_j * b_k).times(lanes.splat(vertex.between + vertex.between));
         let distance2 =
             (b_j * b_j).times_add(length2(i), (b_k * b_k).times_add(length2(k), between));
         let curvature = match self.rule {
@@ -82,11 +82,11 @@ impl<S: Constant> Patch<S> {
             _ => self.tensor(i, foot.b),
         };
         let normal_guide = foot.lean.times_add(
-            foot.choice.constant(|side| vertex.inward[side]),
-            T::lift(like.splat(vertex.normal)),
+            foot.choice.constant(|edge| vertex.inward[edge]),
+            T::lift(lanes.splat(vertex.normal)),
         );
         // Of the way from the vertex only the part along the lean meets the guide.
-        let opposite = V::select(foot.choice.is(j), height, like.constant(0.0));
+        let opposite = V::select(foot.choice.is(j), height, lanes.constant(0.0));
         let way_guide = foot.lean * up.plus(-opposite);
         let a = curvature.times_distance2 * guide2;
         let half_b = distance2.mul_sub(normal_guide, curvature.times_distance2 * way_guide);
@@ -103,42 +103,44 @@ impl<S: Constant> Patch<S> {
         distance2: T,
     ) -> Curvature<T> {
         let (j, k) = (next(i), next(next(i)));
-        let (to_j, to_k) = (&self.sides[i], &self.sides[k]);
-        let like = distance2.value();
-        let aside = b[j].times(like.splat(self.area2));
-        let ahead =
-            b[k].times(like.splat(to_k.length2)) + b[j].times(like.splat(self.vertices[i].between));
+        let (to_j, to_k) = (&self.edges[i], &self.edges[k]);
+        let lanes = distance2.value();
+        let aside = b[j].times(lanes.splat(self.area2));
+        let ahead = b[k].times(lanes.splat(to_k.length2))
+            + b[j].times(lanes.splat(self.vertices[i].between));
         let share = aside
             .atan2(ahead)
-            .times(like.splat(self.vertices[i].inverse_angle));
+            .times(lanes.splat(self.vertices[i].inverse_angle));
         let (at_j, at_k) = (to_j.bend[0] / to_j.length2, to_k.bend[1] / to_k.length2);
-        let c = share.times(like.splat(at_j - at_k)).plus(like.splat(at_k));
+        let c = share
+            .times(lanes.splat(at_j - at_k))
+            .plus(lanes.splat(at_k));
         let times_distance2 = c * distance2;
         let tangential =
-            b[j].times(like.splat(to_j.bend[0])) + b[k].times(like.splat(to_k.bend[1]));
+            b[j].times(lanes.splat(to_j.bend[0])) + b[k].times(lanes.splat(to_k.bend[1]));
         Curvature {
             times_distance2,
             offset: times_distance2 - tangential,
         }
     }
 
-    /// Curvature as the quadratic form that the three sides determine.
+    /// Curvature as the quadratic form that the three edges determine.
     #[inline(always)]
     fn tensor<V: Real<Scalar = S>, T: Jet<V>>(&self, i: usize, b: [T; 3]) -> Curvature<T> {
         let (j, k) = (next(i), next(next(i)));
-        let (bend_j, bend_k) = (self.sides[i].bend[0], self.sides[k].bend[1]);
+        let (bend_j, bend_k) = (self.edges[i].bend[0], self.edges[k].bend[1]);
         let across = self.mean_bend(j);
-        let like = b[0].value();
+        let lanes = b[0].value();
         let (b_ij, b_ik, b_jk) = (b[i] * b[j], b[i] * b[k], b[j] * b[k]);
-        let mixed = b_jk.times(like.splat(bend_j + bend_k - across));
+        let mixed = b_jk.times(lanes.splat(bend_j + bend_k - across));
         let times_distance2 = (b[j] * b[j]).times_add(
-            like.splat(bend_j),
-            (b[k] * b[k]).times_add(like.splat(bend_k), mixed),
+            lanes.splat(bend_j),
+            (b[k] * b[k]).times_add(lanes.splat(bend_k), mixed),
         );
-        let opposite = b_jk.times(like.splat(across));
+        let opposite = b_jk.times(lanes.splat(across));
         let offset = -b_ij.times_add(
-            like.splat(bend_j),
-            b_ik.times_add(like.splat(bend_k), opposite),
+            lanes.splat(bend_j),
+            b_ik.times_add(lanes.splat(bend_k), opposite),
         );
         Curvature {
             times_distance2,
@@ -149,22 +151,22 @@ impl<S: Constant> Patch<S> {
     /// `1 - 4 (kappa_12 b1 b2 + ...)`, held above a floor: 1 at the vertices.
     #[inline(always)]
     fn damping_factor<V: Real<Scalar = S>, T: Jet<V>>(&self, b: [T; 3]) -> T {
-        let like = b[0].value();
+        let lanes = b[0].value();
         let damping = inlined(
             #[inline(always)]
             |k: usize, rest: T| {
-                (b[k] * b[next(k)]).times_add(like.splat(-self.sides[k].damping), rest)
+                (b[k] * b[next(k)]).times_add(lanes.splat(-self.edges[k].damping), rest)
             },
         );
-        let factor = damping(0, damping(1, damping(2, T::lift(like.constant(1.0)))));
-        at_least(factor, like.constant(MIN_DAMPING_FACTOR))
+        let factor = damping(0, damping(1, damping(2, T::lift(lanes.constant(1.0)))));
+        at_least(factor, lanes.constant(MIN_DAMPING_FACTOR))
     }
 
-    /// The cross-side correction: a cubic bubble that turns the surface about each side.
+    /// The cross-edge correction: a cubic bubble that turns the surface about each edge.
     #[inline(always)]
     fn correction<V: Real<Scalar = S>, T: Jet<V>>(&self, b: [T; 3]) -> T {
-        let like = b[0].value();
-        let (zero, one) = (like.constant(0.0), like.constant(1.0));
+        let lanes = b[0].value();
+        let (zero, one) = (lanes.constant(0.0), lanes.constant(1.0));
         let weights = three(
             #[inline(always)]
             |k| b[k] * b[next(k)],
@@ -172,16 +174,16 @@ impl<S: Constant> Patch<S> {
         let [first, second, third] = three(
             #[inline(always)]
             |k| {
-                let side = &self.sides[k];
-                let free = b[next(next(k))].times_add(like.splat(side.foot), b[next(k)]);
+                let edge = &self.edges[k];
+                let free = b[next(next(k))].times_add(lanes.splat(edge.foot), b[next(k)]);
                 let along = capped(at_least(free, zero), one);
                 let [c0, c1, c2] = three(
                     #[inline(always)]
-                    |n| like.splat(side.correction[n]),
+                    |n| lanes.splat(edge.correction[n]),
                 );
                 let mut slope = along.mul_add(along.times_add(c2, T::lift(c1)), T::lift(c0));
                 if self.any_loose {
-                    slope = slope / loosened(side.loose, free, b[k], b[next(k)]);
+                    slope = slope / loosened(edge.loose, free, b[k], b[next(k)]);
                 }
                 slope
             },
@@ -193,20 +195,20 @@ impl<S: Constant> Patch<S> {
         let least = b[0].value().lesser(b[1].value()).lesser(b[2].value());
         let inside = zero.at_most(least);
         let near = share
-            .plus(like.constant(-FADE_END))
-            .times(like.constant(FADE_RATE));
+            .plus(lanes.constant(-FADE_END))
+            .times(lanes.constant(FADE_RATE));
         let fade = T::select(inside, T::lift(one), capped(at_least(near, zero), one));
-        ratio_or_zero(bubble * sum * fade, share, like.constant(1e-20))
+        ratio_or_zero(bubble * sum * fade, share, lanes.constant(1e-20))
     }
 }
 
-/// What a side's slope is divided by for its loose ends: the shares `along` and `1 - along`, held
-/// up where the triangle reaches beyond the side's ends.
+/// What an edge's slope is divided by for its loose ends: the shares `along` and `1 - along`, held
+/// up where the triangle reaches beyond the edge's ends.
 #[inline(always)]
 fn loosened<V: Real, T: Jet<V>>(loose: [bool; 2], along: T, b_i: T, b_j: T) -> T {
-    let like = along.value();
-    let (half, tiny) = (like.constant(0.5), like.constant(1e-6));
-    let one = T::lift(like.constant(1.0));
+    let lanes = along.value();
+    let (half, tiny) = (lanes.constant(0.5), lanes.constant(1e-6));
+    let one = T::lift(lanes.constant(1.0));
     let first = if loose[0] {
         held(along, b_j, half, tiny)
     } else {

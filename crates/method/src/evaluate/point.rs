@@ -96,14 +96,14 @@ impl<S: Constant> Patch<S> {
         (foot, h)
     }
 
-    /// The inward perpendicular of the foot's side.
+    /// The inward perpendicular of the foot's edge.
     #[inline(always)]
     fn inward<V: Real<Scalar = S>, T>(&self, foot: &Foot<V, T>) -> Vector<V> {
         let of = inlined(
             #[inline(always)]
             |component: fn(Vector<S>) -> S| {
                 foot.choice
-                    .constant(|k| component(self.gradients[next(next(k))]) * self.sides[k].height)
+                    .constant(|k| component(self.gradients[next(next(k))]) * self.edges[k].height)
             },
         );
         vector(of(|g| g.x), of(|g| g.y), of(|g| g.z))

@@ -148,8 +148,8 @@ impl<V: Real> Dip<V> {
     /// Where the parabola through the three comes nearest to zero, and whether it is worth a look.
     #[inline(always)]
     fn lowest(&self) -> (V, V::Mask) {
-        let like = self.middle.0;
-        let (zero, one) = (like.constant(0.0), like.constant(1.0));
+        let lanes = self.middle.0;
+        let (zero, one) = (lanes.constant(0.0), lanes.constant(1.0));
         let (to_left, to_right) = (self.left.0 - self.middle.0, self.right.0 - self.middle.0);
         let (rise_left, rise_right) = (self.left.1 - self.middle.1, self.right.1 - self.middle.1);
         // middle + slope x + bend x^2 in the distance x from the middle, times a common divisor.
@@ -159,7 +159,7 @@ impl<V: Real> Dip<V> {
         let curved = zero.less(bend.abs()) & zero.less(divisor.abs());
         let x = V::select(curved, -slope, zero) / V::select(curved, bend + bend, one);
         let value =
-            self.middle.1 + x * like.constant(0.5) * slope / V::select(curved, divisor, one);
+            self.middle.1 + x * lanes.constant(0.5) * slope / V::select(curved, divisor, one);
         let inside = to_left.less(x) & x.less(to_right);
         let least = self
             .left
@@ -167,7 +167,8 @@ impl<V: Real> Dip<V> {
             .abs()
             .lesser(self.middle.1.abs())
             .lesser(self.right.1.abs());
-        let nears = value.abs().less(least * like.constant(PROMISE)) | differ(value, self.middle.1);
+        let nears =
+            value.abs().less(least * lanes.constant(PROMISE)) | differ(value, self.middle.1);
         (self.middle.0 + x, curved & inside & nears)
     }
 
@@ -209,8 +210,12 @@ fn chandrupatla<V: Real>(
     [tolerance, noise]: [V; 2],
     found: V::Mask,
 ) -> Root<V> {
-    let like = tolerance;
-    let (zero, half, one) = (like.constant(0.0), like.constant(0.5), like.constant(1.0));
+    let lanes = tolerance;
+    let (zero, half, one) = (
+        lanes.constant(0.0),
+        lanes.constant(0.5),
+        lanes.constant(1.0),
+    );
     let (mut a, mut b) = (bracket.from, bracket.to);
     let (mut fa, mut fb) = (bracket.at_from, bracket.at_to);
     let mut active = found;

@@ -1,10 +1,10 @@
-//! What a ray is clipped to: a patch's three side planes (5) and the slab between its least and its
+//! What a ray is clipped to: a patch's three edge planes (5) and the slab between its least and its
 //! greatest height.
 
 use super::ray::{Ray, localized};
 use crate::bounds::{OVERLAP_EPSILONS, RAY_EPSILONS};
 use crate::numbers::{Mask, Real, Scalar, Vector};
-use crate::patch::{Hull, Sphere};
+use crate::patch::{ClipVolume, Sphere};
 use crate::store::Outline;
 
 /// The least sine of a grazing angle that is made up for on thin triangles.
@@ -16,35 +16,36 @@ const UP: usize = 3;
 /// A ray's way clipped to where a surface can be, in the ray's parameter: the paper's options 1 to 5
 /// are all this one interval (section 4.8).
 #[derive(Clone, Copy, Debug)]
-pub struct Interval<V: Real> {
+pub struct RayInterval<V: Real> {
     pub(crate) start: V,
     pub(crate) length: V,
     /// Whether there is such an interval.
     pub(crate) alive: V::Mask,
 }
 
-impl<S: Scalar> Hull<S> {
+impl<S: Scalar> ClipVolume<S> {
     /// The part of the ray within all planes; none in lanes that are not valid.
     #[inline(always)]
-    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Interval<V> {
+    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> RayInterval<V> {
         let [from, along] = localized(ray, self.origin, self.unit);
-        let like = ray.tnear;
-        let zero = like.constant(0.0);
+        let lanes = ray.tnear;
+        let zero = lanes.constant(0.0);
         let distance = from.max_abs();
         // Not cut at the ray's end, which is the nearest hit so far: the root must not depend on the
         // order in which patches are come by.
-        let (mut lo, mut hi) = (like, like.constant(f64::INFINITY));
-        let mut alive = valid & like.mask(self.exists);
+        let (mut lo, mut hi) = (lanes, lanes.constant(f64::INFINITY));
+        let mut alive = valid & lanes.mask(self.exists);
         let grazing = self.grazing(along, distance);
         for plane in &self.planes {
-            let normal = Vector::splat(like, plane.normal);
-            let offset = like
-                .splat(plane.spread)
-                .mul_add(distance, like.splat(plane.offset));
+            let normal = Vector::splat(lanes, plane.normal);
+            let offset = lanes
+                .splat(plane.distance_tolerance)
+                .mul_add(distance, lanes.splat(plane.offset));
             let mut value = normal.dot(from) + offset;
             let rate = normal.dot(along);
             if let Some([reach, later]) = grazing {
-                value = value + reach * (rate.abs() * later + like.splat(plane.spread));
+                value =
+                    value + reach * (rate.abs() * later + lanes.splat(plane.distance_tolerance));
             }
             let crossing = -(value / rate);
             let (enters, leaves) = (zero.less(rate), rate.less(zero));
@@ -58,7 +59,7 @@ impl<S: Scalar> Hull<S> {
             hi = leaves.lesser(hi);
             alive = alive & meets;
         }
-        Interval {
+        RayInterval {
             start: lo,
             length: hi - lo,
             alive: alive & lo.at_most(hi) & lo.at_most(ray.tfar),
@@ -78,7 +79,7 @@ impl<S: Scalar> Hull<S> {
     }
 }
 
-impl<V: Real> Interval<V> {
+impl<V: Real> RayInterval<V> {
     /// Whether no lane's ray comes near the surface.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {
@@ -86,14 +87,14 @@ impl<V: Real> Interval<V> {
     }
 }
 
-impl<S: Scalar> Interval<S> {
+impl<S: Scalar> RayInterval<S> {
     /// The same interval in all lanes of a value like this one.
     #[inline(always)]
-    pub(crate) fn in_lanes<V: Real<Scalar = S>>(&self, like: V) -> Interval<V> {
-        Interval {
-            start: like.splat(self.start),
-            length: like.splat(self.length),
-            alive: like.mask(self.alive),
+    pub(crate) fn in_lanes<V: Real<Scalar = S>>(&self, lanes: V) -> RayInterval<V> {
+        RayInterval {
+            start: lanes.splat(self.start),
+            length: lanes.splat(self.length),
+            alive: lanes.mask(self.alive),
         }
     }
 }
@@ -112,19 +113,19 @@ impl<S: Scalar> Sphere<S> {
         along: Vector<V>,
         distance: V,
     ) -> (V, V, V::Mask) {
-        let like = distance;
-        let ulps = like.splat(S::EPSILON * S::from_f64(2.0 * RAY_EPSILONS));
-        let guard = distance * ulps + like.splat(S::EPSILON * S::from_f64(OVERLAP_EPSILONS));
-        let radius = like.splat(self.radius) + guard;
+        let lanes = distance;
+        let ulps = lanes.splat(S::EPSILON * S::from_f64(2.0 * RAY_EPSILONS));
+        let guard = distance * ulps + lanes.splat(S::EPSILON * S::from_f64(OVERLAP_EPSILONS));
+        let radius = lanes.splat(self.radius) + guard;
         // Squares of very short and of very long directions are out of range.
-        let scale = like.constant(1.0) / along.max_abs();
+        let scale = lanes.constant(1.0) / along.max_abs();
         let direction = along * scale;
         let length2 = direction.dot(direction);
-        let to_start = from - Vector::splat(like, self.centre);
+        let to_start = from - Vector::splat(lanes, self.centre);
         let nearest = -(to_start.dot(direction) / length2);
         let beside = to_start + direction * nearest;
         let square = radius * radius - beside.dot(beside);
-        let zero = like.constant(0.0);
+        let zero = lanes.constant(0.0);
         let half = (square.greater(zero) / length2).sqrt();
         let (enter, leave) = ((nearest - half) * scale, (nearest + half) * scale);
         (enter, leave, zero.at_most(square))
@@ -134,7 +135,7 @@ impl<S: Scalar> Sphere<S> {
 impl<S: Scalar> Outline<'_, S> {
     /// Where the ray can meet the surface at all, in the valid lanes.
     #[inline(always)]
-    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Interval<V> {
-        self.hull.clip(ray, valid)
+    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> RayInterval<V> {
+        self.clip_volume.clip(ray, valid)
     }
 }

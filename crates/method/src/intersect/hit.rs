@@ -13,7 +13,7 @@ pub enum Solver {
         step: u32,
     },
     /// Sampling in `parts` equal parts, then a superlinear bracketing method.
-    Finish {
+    Bracketing {
         /// Parts, 2 to 16.
         parts: u32,
     },
@@ -30,7 +30,7 @@ impl Solver {
     #[inline(always)]
     pub(crate) fn denser(self, twice: bool) -> Self {
         match self {
-            Solver::Finish { parts } if twice => Solver::Finish { parts: 2 * parts },
+            Solver::Bracketing { parts } if twice => Solver::Bracketing { parts: 2 * parts },
             _ => self,
         }
     }
@@ -38,7 +38,7 @@ impl Solver {
 
 impl Default for Solver {
     fn default() -> Self {
-        Solver::Finish { parts: 8 }
+        Solver::Bracketing { parts: 8 }
     }
 }
 
@@ -60,10 +60,10 @@ pub struct Hit<V: Real> {
 impl<V: Real> Hit<V> {
     /// No hit, in as many lanes as `like` has.
     #[inline(always)]
-    pub(crate) fn none(like: V) -> Self {
-        let zero = like.constant(0.0);
+    pub(crate) fn none(lanes: V) -> Self {
+        let zero = lanes.constant(0.0);
         Self {
-            found: like.mask(false),
+            found: lanes.mask(false),
             t: zero,
             u: zero,
             v: zero,
@@ -75,14 +75,14 @@ impl<V: Real> Hit<V> {
 impl<S: Scalar> Hit<S> {
     /// The same hit in all lanes of a value like this one.
     #[inline(always)]
-    pub(crate) fn in_lanes<V: Real<Scalar = S>>(&self, like: V) -> Hit<V> {
-        let found = like.mask(self.found);
+    pub(crate) fn in_lanes<V: Real<Scalar = S>>(&self, lanes: V) -> Hit<V> {
+        let found = lanes.mask(self.found);
         Hit {
             found,
-            t: like.splat(self.t),
-            u: like.splat(self.u),
-            v: like.splat(self.v),
-            evaluations: self.evaluations * like.mask(true).count(),
+            t: lanes.splat(self.t),
+            u: lanes.splat(self.u),
+            v: lanes.splat(self.v),
+            evaluations: self.evaluations * lanes.mask(true).count(),
         }
     }
 }

@@ -4,7 +4,7 @@ use std::borrow::Borrow;
 
 use fearless_simd::{f32x4, prelude::*};
 
-use super::clip::Interval;
+use super::clip::RayInterval;
 use super::hit::{Hit, Solver};
 use super::ray::Ray;
 use super::root::{MAX_PARTS, Samples, Steps};
@@ -17,23 +17,23 @@ use crate::patch::Patch;
 pub(crate) fn trace_one<S: Simd>(
     simd: S,
     patch: &Patch<f32>,
-    interval: &Interval<f32>,
+    interval: &RayInterval<f32>,
     ray: &Ray<f32>,
     solver: Solver,
     normal: bool,
 ) -> (Hit<f32>, Vector<f32>) {
-    let like = Quad(f32x4::splat(simd, 0.0));
+    let lanes = Quad(f32x4::splat(simd, 0.0));
     let hit = patch.intersect_by(
-        &interval.in_lanes(like),
-        &ray.in_lanes(like),
+        &interval.in_lanes(lanes),
+        &ray.in_lanes(lanes),
         solver,
         #[inline(always)]
         |segment: Segment<Quad<S>>| {
             let mut numbers = [0.0; SEGMENT_NUMBERS];
-            for (number, lanes) in numbers.iter_mut().zip(segment.numbers()) {
-                *number = lanes.0[0];
+            for (number, value) in numbers.iter_mut().zip(segment.numbers()) {
+                *number = value.0[0];
             }
-            search(simd, patch, Segment::from_numbers(numbers, true), solver).in_lanes(like)
+            search(simd, patch, Segment::from_numbers(numbers, true), solver).in_lanes(lanes)
         },
     );
     let normal = if normal && hit.found.any() {

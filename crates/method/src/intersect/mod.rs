@@ -15,7 +15,7 @@ mod secant;
 mod segment;
 mod single;
 
-pub use clip::Interval;
+pub use clip::RayInterval;
 pub use hit::{Hit, Solver};
 pub use packet::{HitLanes, RayLanes};
 pub use pairs::{PairHit, PairHits};

@@ -8,7 +8,7 @@ use super::lane_search::{search_lanes, trace_one};
 use super::ray::Ray;
 use super::single::Single;
 use crate::numbers::{LaneMask, Lanes, MAX_LANES, Vector, inlined, vector};
-use crate::store::{KeptPatch, Outline, surface};
+use crate::store::{Outline, PackedTriangle, surface};
 
 /// Up to 16 rays, one slice a component, all of the same length.
 #[derive(Clone, Copy, Debug)]
@@ -42,13 +42,13 @@ pub struct HitLanes {
 
 /// What is asked of a packet.
 #[derive(Clone, Copy, Debug)]
-struct Asked {
+struct Requested {
     valid: u32,
     solver: Solver,
     normals: bool,
 }
 
-impl KeptPatch<'_> {
+impl PackedTriangle<'_> {
     /// The first hits with `tnear < t <= tfar` of the lanes of `valid` (one bit a lane), with the
     /// surface's normals there if `normals`.
     ///
@@ -81,7 +81,7 @@ impl KeptPatch<'_> {
     ) -> HitLanes {
         assert!(rays.tnear.len() <= MAX_LANES, "a packet has up to 16 rays");
         let there = u32::MAX >> (u32::BITS as usize - MAX_LANES) >> (MAX_LANES - rays.tnear.len());
-        let asked = Asked {
+        let asked = Requested {
             // The lanes of a register beyond the packet hold no ray.
             valid: valid & there,
             solver,
@@ -138,7 +138,7 @@ impl KeptPatch<'_> {
                 }
             };
             if let Some(frame) = frame && interval.alive {
-                let patch = surface(&frame, &self.corners().normals, self.record());
+                let patch = surface(&frame, &self.corners().normals, self.packed());
                 found = trace_one(simd, &patch, &interval, ray, solver, normal);
             }
         });
@@ -152,7 +152,7 @@ fn trace<S: Simd>(
     simd: S,
     outline: &Outline<'_, f32>,
     rays: &RayLanes<'_>,
-    asked: Asked,
+    asked: Requested,
     hits: &mut HitLanes,
 ) {
     let mut patch = None;
@@ -169,7 +169,7 @@ fn trace<S: Simd>(
         );
         let hit = match asked.solver {
             Solver::Ita { .. } => patch.intersect_within(&interval, &ray, asked.solver),
-            Solver::Finish { .. } => patch.intersect_by(
+            Solver::Bracketing { .. } => patch.intersect_by(
                 &interval,
                 &ray,
                 asked.solver,

@@ -3,7 +3,7 @@
 
 use fearless_simd::{Level, dispatch, prelude::*};
 
-use super::clip::Interval;
+use super::clip::RayInterval;
 use super::hit::{Hit, Solver};
 use super::lane_search::search_each;
 use super::packet::{RayLanes, load_ray};
@@ -153,7 +153,7 @@ impl PatchBlock {
             let there = u64::MAX >> (64 - (width - first));
             for (n, &lanes) in lanes.iter().enumerate() {
                 let asked = u64::from(lanes >> first) & there;
-                if asked == 0 || self.laid() & 1 << n == 0 {
+                if asked == 0 || self.unpacked() & 1 << n == 0 {
                     continue;
                 }
                 let valid = LaneMask(S::mask32s::from_bitmask(simd, asked));
@@ -211,7 +211,7 @@ impl PatchBlock {
         let number = &hits.patch[first..][..P::LEN];
         let ray = gather::<S, P>(simd, &hits.rays, &hits.lane[first..][..P::LEN]);
         let patch = self.patches::<S, P>(simd, number);
-        let interval = Interval {
+        let interval = RayInterval {
             start: P::load(simd, &hits.start[first..]),
             length: P::load(simd, &hits.length[first..]),
             alive: P::lanes(simd, there),

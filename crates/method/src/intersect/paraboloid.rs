@@ -1,7 +1,7 @@
 //! A paraboloid in the surface's place, and how far the surface may be from it: what is known of a ray's way
 //! before the surface is evaluated anywhere.
 //!
-//! The paraboloid goes through the three vertices and near to the sides' curves. Its height under a ray is a
+//! The paraboloid goes through the three vertices and near to the edges' curves. Its height under a ray is a
 //! quadratic, so that the ray has one turn, where it goes over from coming nearer to going off, or the other
 //! way round. The surface's slope is off the paraboloid's by no more than what is kept of the patch, so the
 //! ray's turns over the surface lie close to that one, and before and behind them it crosses the surface
@@ -56,8 +56,8 @@ struct Course<V: Real> {
     /// How much F's slope may be off the paraboloid's.
     doubt: V,
     /// How far the surface may be off the paraboloid at the start, at the nearest place, and at the end.
-    rooms: [V; 3],
-    /// And how much further for each step away from the nearest place: none where the rooms hold everywhere.
+    tolerances: [V; 3],
+    /// And how much further for each step away from the nearest place: none where the tolerances hold everywhere.
     drift: V,
 }
 
@@ -85,7 +85,7 @@ impl<S: Constant> Patch<S> {
             #[inline(always)]
             |k| {
                 let (i, j) = (k, next(k));
-                let bulge = c0.splat(self.sides[k].bulge);
+                let bulge = c0.splat(self.edges[k].bulge);
                 c0 = c0.less_product(bulge, b[i] * b[j]);
                 c1 = c1.less_product(bulge, b[i].mul_add(rate[j], rate[i] * b[j]));
                 c2 = c2.less_product(bulge, rate[i] * rate[j]);
@@ -101,7 +101,7 @@ impl<S: Constant> Patch<S> {
         let length = segment.length;
         let (zero, one) = (length.constant(0.0), length.constant(1.0));
         let uneven = length.splat(self.unevenness);
-        let room = uneven.mul_add(length.constant(HEIGHT), segment.exit_room);
+        let room = uneven.mul_add(length.constant(HEIGHT), segment.exit_tolerance);
         let twice = c2 + c2;
         let bent = zero.less(twice.abs());
         let per_twice = one / V::select(bent, twice, one);
@@ -116,7 +116,7 @@ impl<S: Constant> Patch<S> {
             nearest: turn.greater(zero).lesser(length),
             length,
             doubt: uneven * segment.speed,
-            rooms: [room; 3],
+            tolerances: [room; 3],
             drift: zero,
         }
     }
@@ -136,11 +136,11 @@ impl<S: Constant> Patch<S> {
         if !unclear.any() {
             return stretch;
         }
-        let value = course.nearest.apart(
+        let value = course.nearest.out_of_line(
             #[inline(always)]
             || f(course.nearest, unclear),
         );
-        let measured = course.measured(value, segment.exit_room).stretch();
+        let measured = course.measured(value, segment.exit_tolerance).stretch();
         Stretch::select(unclear, measured, stretch)
     }
 }
@@ -166,7 +166,7 @@ impl<V: Real> Course<V> {
         let to_end = self.doubt.mul_add(self.length - self.nearest, rounding);
         Self {
             c0: self.c0 + (value - self.height(self.nearest)),
-            rooms: [from_start, rounding, to_end],
+            tolerances: [from_start, rounding, to_end],
             drift: self.doubt,
             ..self
         }
@@ -178,7 +178,7 @@ impl<V: Real> Course<V> {
     fn turning(&self, end: V) -> Turning<V> {
         let (length, doubt) = (self.length, self.doubt);
         let zero = length.constant(0.0);
-        let [start_room, room, end_room] = self.rooms;
+        let [start_tolerance, room, end_tolerance] = self.tolerances;
         let twice = self.c2 + self.c2;
         let half = doubt * self.per_twice.abs();
         let (before, after) = (self.turn - half, self.turn + half);
@@ -201,8 +201,8 @@ impl<V: Real> Course<V> {
             before,
             after,
             sure: self.bent & sure,
-            sooner: !off & zero.less(before) & crossed(self.c0, start_room),
-            later: !off & after.less(length) & crossed(end, end_room),
+            sooner: !off & zero.less(before) & crossed(self.c0, start_tolerance),
+            later: !off & after.less(length) & crossed(end, end_tolerance),
         }
     }
 
@@ -212,14 +212,16 @@ impl<V: Real> Course<V> {
         let Self { c0, c1, c2, .. } = *self;
         let (length, doubt) = (self.length, self.doubt);
         let (zero, one) = (length.constant(0.0), length.constant(1.0));
-        let [start_room, _, end_room] = self.rooms;
+        let [start_tolerance, _, end_tolerance] = self.tolerances;
         let twice = c2 + c2;
         let end_slope = twice.mul_add(length, c1);
         let end = self.height(length);
         // One way all along.
         let even = zero.less(c1 * end_slope) & doubt.less(c1.abs()) & doubt.less(end_slope.abs());
-        let apart =
-            even & zero.less(c0 * end) & start_room.less(c0.abs()) & end_room.less(end.abs());
+        let apart = even
+            & zero.less(c0 * end)
+            & start_tolerance.less(c0.abs())
+            & end_tolerance.less(end.abs());
         let turning = self.turning(end);
         let turns = turning.sure & !even;
         let sooner = turns & turning.sooner;

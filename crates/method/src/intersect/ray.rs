@@ -3,7 +3,7 @@
 
 use crate::numbers::{Real, Scalar, Vector};
 use crate::patch::{Patch, Rule, THIN};
-use crate::store::KeptPatch;
+use crate::store::PackedTriangle;
 
 /// A ray in the space of the patch's positions.
 #[derive(Clone, Copy, Debug)]
@@ -21,12 +21,12 @@ pub struct Ray<V> {
 impl<S: Scalar> Ray<S> {
     /// The same ray in all lanes of a value like this one.
     #[inline(always)]
-    pub(crate) fn in_lanes<V: Real<Scalar = S>>(&self, like: V) -> Ray<V> {
+    pub(crate) fn in_lanes<V: Real<Scalar = S>>(&self, lanes: V) -> Ray<V> {
         Ray {
-            origin: Vector::splat(like, self.origin),
-            direction: Vector::splat(like, self.direction),
-            tnear: like.splat(self.tnear),
-            tfar: like.splat(self.tfar),
+            origin: Vector::splat(lanes, self.origin),
+            direction: Vector::splat(lanes, self.direction),
+            tnear: lanes.splat(self.tnear),
+            tfar: lanes.splat(self.tfar),
         }
     }
 }
@@ -34,9 +34,9 @@ impl<S: Scalar> Ray<S> {
 /// Whether a patch is a flat triangle so thin that rounding along its plane matters.
 #[inline(always)]
 pub(crate) fn is_thin<S: Scalar>(patch: &Patch<S>) -> bool {
-    let height = patch.base.side.constant(
+    let height = patch.base.edge.constant(
         #[inline(always)]
-        |k| patch.sides[k].height,
+        |k| patch.edges[k].height,
     );
     patch.rule == Rule::Flat && height < S::from_f64(THIN)
 }
@@ -65,7 +65,7 @@ pub(crate) fn localized<V: Real>(
     [from, ray.direction * unit]
 }
 
-impl KeptPatch<'_> {
+impl PackedTriangle<'_> {
     /// The same as [`Patch::beyond`].
     pub fn beyond(&self, ray: &Ray<f32>, t: f32) -> f32 {
         beyond(self.corners.positions[0], self.outline().size(), ray, t)

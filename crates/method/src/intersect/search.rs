@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use super::clip::Interval;
+use super::clip::RayInterval;
 use super::hit::{Hit, Solver};
 use super::paraboloid::Stretch;
 use super::ray::{Ray, beyond, is_thin, localized};
@@ -15,7 +15,7 @@ use crate::patch::{Patch, Rule, next};
 /// A hit's barycentric coordinates may lie this far outside: neighbours overlap a little.
 const MAX_OUTSIDE: f64 = 9e-5;
 
-/// How far beyond a side a hit may lie by the ray's own rounding, in units of how far beside a guide:
+/// How far beyond an edge a hit may lie by the ray's own rounding, in units of how far beside a guide:
 /// as far as the planes that rays are clipped to, whose normals are not quite as long as is counted on.
 const BESIDE: f64 = 1.25;
 
@@ -36,13 +36,17 @@ impl<S: Scalar> Patch<S> {
 
     /// Where the ray can meet the surface at all, in the valid lanes.
     #[inline(always)]
-    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> Interval<V> {
-        self.hull.clip(ray, valid)
+    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> RayInterval<V> {
+        self.clip_volume.clip(ray, valid)
     }
 
     /// A ray's way over the patch within an interval.
     #[inline(always)]
-    pub fn segment<V: Real<Scalar = S>>(&self, ray: &Ray<V>, interval: &Interval<V>) -> Segment<V> {
+    pub fn segment<V: Real<Scalar = S>>(
+        &self,
+        ray: &Ray<V>,
+        interval: &RayInterval<V>,
+    ) -> Segment<V> {
         Segment::new(self, ray, interval)
     }
 
@@ -50,7 +54,7 @@ impl<S: Scalar> Patch<S> {
     #[inline(always)]
     pub fn intersect_within<V: Real<Scalar = S>>(
         &self,
-        interval: &Interval<V>,
+        interval: &RayInterval<V>,
         ray: &Ray<V>,
         solver: Solver,
     ) -> Hit<V> {
@@ -61,7 +65,7 @@ impl<S: Scalar> Patch<S> {
     #[inline(always)]
     pub(crate) fn intersect_sampled<V: Real<Scalar = S>>(
         &self,
-        interval: &Interval<V>,
+        interval: &RayInterval<V>,
         ray: &Ray<V>,
         solver: Solver,
         sampler: impl Fn(&Segment<V>, Steps<V>) -> Option<Samples<V>>,
@@ -79,7 +83,7 @@ impl<S: Scalar> Patch<S> {
     #[inline(always)]
     pub(crate) fn intersect_by<V: Real<Scalar = S>>(
         &self,
-        interval: &Interval<V>,
+        interval: &RayInterval<V>,
         ray: &Ray<V>,
         solver: Solver,
         search: impl FnOnce(Segment<V>) -> Hit<V>,
@@ -102,14 +106,14 @@ impl<S: Scalar> Patch<S> {
     fn plane_hit<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Hit<V> {
         let (at, inside) = segment.plane_crossing();
         let b = segment.projection(at);
-        let ([u, v], moved) = self.kept_inside(b, inside);
+        let ([u, v], moved) = self.moved_inside(b, inside);
         let (mut t, mut beside) = (segment.start + at, moved);
         if is_thin(self) {
-            // A ray at a grazing angle that was moved onto a side passes it elsewhere.
+            // A ray at a grazing angle that was moved onto an edge passes it elsewhere.
             let [later, off] = segment.passing(self, [u - b[1], v - b[2]]);
             (t, beside) = (t + later, off);
         }
-        let found = inside & beside.at_most(segment.stray_room * at.constant(BESIDE));
+        let found = inside & beside.at_most(segment.stray_tolerance * at.constant(BESIDE));
         Hit {
             found,
             t,
@@ -140,9 +144,9 @@ impl<S: Constant> Patch<S> {
             let root = self.first_root(&segment, solver, sampler, &mut hit.evaluations);
             // Far off the surface the inverse of the guide field can jump, and F with it, past zero:
             // no root.
-            let met = root
-                .value
-                .at_most(segment.stray_room + segment.exit_room + segment.steps(root.width));
+            let met = root.value.at_most(
+                segment.stray_tolerance + segment.exit_tolerance + segment.steps(root.width),
+            );
             let true_root = self.verify(&segment, root.at, root.found & met, &mut hit);
             hit.found = hit.found | true_root;
             segment.alive = root.found & !true_root;
@@ -165,9 +169,9 @@ impl<S: Constant> Patch<S> {
         let count = Cell::new(*evaluations);
         let f = inlined(
             #[inline(always)]
-            |at: V, lanes: V::Mask| {
-                count.set(count.get() + lanes.count());
-                at.apart(
+            |at: V, mask: V::Mask| {
+                count.set(count.get() + mask.count());
+                at.out_of_line(
                     #[inline(always)]
                     || self.clearance(segment, at),
                 )
@@ -189,7 +193,7 @@ impl<S: Constant> Patch<S> {
                 );
                 ita::first_root(f, steps, length, alive, bits, step)
             }
-            Solver::Finish { parts } => {
+            Solver::Bracketing { parts } => {
                 let parts = (parts as usize).clamp(2, MAX_PARTS);
                 let (start, share) = (length.constant(0.0), 1.0 / parts as f64);
                 let part = length * length.constant(share);
@@ -197,8 +201,8 @@ impl<S: Constant> Patch<S> {
                 if samples.is_some() {
                     count.set(count.get() + parts as u32 + 1);
                 }
-                let close = [segment.tolerance(), self.noise(segment)];
-                let ends = [segment.entry_room, segment.exit_room];
+                let close = [segment.parameter_tolerance(), self.noise(segment)];
+                let ends = [segment.entry_tolerance, segment.exit_tolerance];
                 bracketing::first_root(f, length, close, ends, alive, parts, samples.as_ref())
             }
         };
@@ -229,12 +233,12 @@ impl<S: Constant> Patch<S> {
         search: impl FnOnce(Segment<V>) -> Hit<V>,
     ) -> Hit<V> {
         let mut hit = Hit::none(segment.start);
-        if matches!(solver, Solver::Finish { .. }) {
+        if matches!(solver, Solver::Bracketing { .. }) {
             let evaluations = Cell::new(0);
             let f = inlined(
                 #[inline(always)]
-                |at: V, lanes: V::Mask| {
-                    evaluations.set(evaluations.get() + lanes.count());
+                |at: V, mask: V::Mask| {
+                    evaluations.set(evaluations.get() + mask.count());
                     self.clearance(&segment, at)
                 },
             );
@@ -290,8 +294,8 @@ impl<S: Constant> Patch<S> {
     ) -> V::Mask {
         let (above, z) = (segment.projection(at), segment.z(at));
         let foot = self.foot_under(above, z);
-        let ([u, v], moved) = self.kept_inside(foot.b, found);
-        let room = segment.stray_room;
+        let ([u, v], moved) = self.moved_inside(foot.b, found);
+        let room = segment.stray_tolerance;
         let on_guide = self.strayed2(&foot, above, z).at_most(room * room);
         let true_root = found & on_guide & moved.at_most(room * room.constant(BESIDE));
         hit.t = V::select(true_root, segment.start + at, hit.t);
@@ -315,20 +319,20 @@ impl<S: Constant> Patch<S> {
         z - self.height(&self.foot_under(segment.projection(at), z))
     }
 
-    /// `b2` and `b3`, moved onto the nearest side where rounding of a ray from afar put them
+    /// `b2` and `b3`, moved onto the nearest edge where rounding of a ray from afar put them
     /// further out than neighbours overlap; and how far that is, in units of the patch's size. In the
     /// lanes that matter.
     #[inline(always)]
-    fn kept_inside<V: Real<Scalar = S>>(&self, b: [V; 3], lanes: V::Mask) -> ([V; 2], V) {
-        let like = b[0];
-        let (zero, one) = (like.constant(0.0), like.constant(1.0));
+    fn moved_inside<V: Real<Scalar = S>>(&self, b: [V; 3], mask: V::Mask) -> ([V; 2], V) {
+        let lanes = b[0];
+        let (zero, one) = (lanes.constant(0.0), lanes.constant(1.0));
         // The first is what the other two leave: on the way of a ray from very far away all three are
         // rounded apart, and it is those two that are told.
         let b = [one - b[1] - b[2], b[1], b[2]];
-        let floor = like.constant(-MAX_OUTSIDE);
+        let floor = lanes.constant(-MAX_OUTSIDE);
         // What is no number at all is not inside.
         let inside = floor.at_most(b[0]) & floor.at_most(b[1]) & floor.at_most(b[2]);
-        let outside = lanes & !inside;
+        let outside = mask & !inside;
         if !outside.any() {
             return ([b[1], b[2]], zero);
         }
@@ -336,22 +340,22 @@ impl<S: Constant> Patch<S> {
         each(
             #[inline(always)]
             |k| {
-                let (side, j, m) = (&self.sides[k], next(k), next(next(k)));
-                let distance = b[m] * like.splat(side.height);
+                let (edge, j, m) = (&self.edges[k], next(k), next(next(k)));
+                let distance = b[m] * lanes.splat(edge.height);
                 let further = outside & distance.less(furthest);
                 let along = b[m]
-                    .mul_add(like.splat(side.foot), b[j])
+                    .mul_add(lanes.splat(edge.foot), b[j])
                     .greater(zero)
                     .lesser(one);
-                let mut on_side = [zero; 3];
-                on_side[k] = one - along;
-                on_side[j] = along;
-                u = V::select(further, on_side[1], u);
-                v = V::select(further, on_side[2], v);
+                let mut on_edge = [zero; 3];
+                on_edge[k] = one - along;
+                on_edge[j] = along;
+                u = V::select(further, on_edge[1], u);
+                v = V::select(further, on_edge[2], v);
                 furthest = V::select(further, distance, furthest);
             },
         );
-        let [to_second, to_third] = Vector::splat_both(like, self.spokes);
+        let [to_second, to_third] = Vector::splat_both(lanes, self.spokes);
         let moved = (to_second * (b[1] - u) + to_third * (b[2] - v)).length();
         ([u, v], moved)
     }

@@ -14,7 +14,7 @@ const KINK: f64 = 0.016;
 /// The same of the first guess's slope, beside what the surface's own may be off the paraboloid's.
 const FIRST_DOUBT: f64 = 0.0625;
 /// What F's second derivative may be, in units of the paraboloid's.
-const BEND_ROOM: f64 = 2.0;
+const BEND_FACTOR: f64 = 2.0;
 /// F's slope is held between these: the first in units of the guess's, the second of the greatest on the way.
 const SLOPES: [f64; 2] = [1.0 / 16.0, 2.0];
 
@@ -37,24 +37,28 @@ impl<V: Real> Stretch<V> {
     pub(crate) fn crossing(
         &self,
         segment: &Segment<V>,
-        lanes: V::Mask,
+        mask: V::Mask,
         [close, noise]: [V; 2],
         f: &impl Fn(V, V::Mask) -> V,
     ) -> Crossing<V> {
-        let like = segment.length;
-        let (zero, half, one) = (like.constant(0.0), like.constant(0.5), like.constant(1.0));
-        let least = self.slope * like.constant(SLOPES[0]);
-        let most = self.greatest_slope * like.constant(SLOPES[1]);
+        let lanes = segment.length;
+        let (zero, half, one) = (
+            lanes.constant(0.0),
+            lanes.constant(0.5),
+            lanes.constant(1.0),
+        );
+        let least = self.slope * lanes.constant(SLOPES[0]);
+        let most = self.greatest_slope * lanes.constant(SLOPES[1]);
         let (mut lo, mut hi) = (self.from, self.to);
         let mut x = self.at;
         let (mut last_x, mut last) = (x, zero);
         let mut slope = self.slope;
-        let mut doubt = slope.mul_add(like.constant(FIRST_DOUBT), self.doubt);
-        let mut pending = lanes;
+        let mut doubt = slope.mul_add(lanes.constant(FIRST_DOUBT), self.doubt);
+        let mut pending = mask;
         let mut crossing = Crossing {
             at: x,
-            found: like.mask(false),
-            missed: like.mask(false),
+            found: lanes.mask(false),
+            missed: lanes.mask(false),
         };
         for n in 0..MAX_STEPS {
             // Taken so that it rises along the ray.
@@ -65,8 +69,8 @@ impl<V: Real> Stretch<V> {
                 let moved = zero.less(run.abs());
                 let secant = V::select(moved, value - last, slope) / V::select(moved, run, one);
                 slope = secant.greater(least).lesser(most);
-                let bend = self.bend * like.constant(BEND_ROOM) * run.abs();
-                doubt = slope.mul_add(like.constant(KINK), bend);
+                let bend = self.bend * lanes.constant(BEND_FACTOR) * run.abs();
+                doubt = slope.mul_add(lanes.constant(KINK), bend);
             }
             let step = -(value / slope);
             let next = (x + step).greater(self.from).lesser(self.to);
@@ -76,8 +80,8 @@ impl<V: Real> Stretch<V> {
             let (late, early) = (before & self.to.at_most(x), !before & x.at_most(self.from));
             let beyond = late | early;
             let there = there
-                | (late & value.abs().at_most(segment.exit_room))
-                | (early & value.at_most(segment.entry_room));
+                | (late & value.abs().at_most(segment.exit_tolerance))
+                | (early & value.at_most(segment.entry_tolerance));
             let found = pending & (there | (near & !beyond));
             crossing.at = V::select(found, V::select(there, x, next), crossing.at);
             crossing.found = crossing.found | found;
@@ -161,7 +165,7 @@ mod tests {
                 }
                 let (hit, other) = (
                     patch.intersect(&ray, Solver::default()),
-                    searched.intersect(&ray, Solver::Finish { parts: 16 }),
+                    searched.intersect(&ray, Solver::Bracketing { parts: 16 }),
                 );
                 known += 1;
                 clear += u32::from(stretch.clear);

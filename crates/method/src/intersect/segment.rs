@@ -1,6 +1,6 @@
 //! A ray's way over a patch's plane.
 
-use super::clip::Interval;
+use super::clip::RayInterval;
 use super::ray::Ray;
 use crate::bounds::RAY_EPSILONS;
 use crate::numbers::{Constant, Mask, Real, Scalar, Vector, inlined, three};
@@ -18,13 +18,13 @@ pub struct Segment<V: Real> {
     pub(crate) alive: V::Mask,
     /// How far beside a guide a point may lie and still count as on it, in units of the patch's
     /// size: what rounding of the ray comes to.
-    pub(crate) stray_room: V,
+    pub(crate) stray_tolerance: V,
     /// How near to zero F must be at the start for the ray to count as crossing the surface there: it
-    /// came in through a side, and rounding decides whether it crossed before or behind that. Below
+    /// came in through an edge, and rounding decides whether it crossed before or behind that. Below
     /// zero where the ray came in otherwise.
-    pub(crate) entry_room: V,
+    pub(crate) entry_tolerance: V,
     /// The same at the end.
-    pub(crate) exit_room: V,
+    pub(crate) exit_tolerance: V,
     /// Length of the direction in units of the patch's size.
     pub(crate) speed: V,
     /// Barycentric coordinates of the vertical projection at the start, and their rates.
@@ -57,7 +57,11 @@ impl<V: Real> Segment<V> {
     /// The part of the ray within an interval. It begins anew at the entry: the steps along the ray are
     /// then small against its position.
     #[inline(always)]
-    pub(crate) fn new<S: Constant>(patch: &Patch<S>, ray: &Ray<V>, interval: &Interval<V>) -> Self
+    pub(crate) fn new<S: Constant>(
+        patch: &Patch<S>,
+        ray: &Ray<V>,
+        interval: &RayInterval<V>,
+    ) -> Self
     where
         V: Real<Scalar = S>,
     {
@@ -67,9 +71,9 @@ impl<V: Real> Segment<V> {
         let entry = V::select(alive, interval.start, ray.tnear);
         let local = Self::unclipped(patch, along.mul_add(entry, from), along, entry, ray.tfar);
         let epsilons = distance.constant(S::PRECISION * RAY_EPSILONS);
-        let stray_room =
+        let stray_tolerance =
             distance.mul_add(epsilons, distance.constant(S::PRECISION * STRAY_EPSILONS));
-        let exit_room = distance.mul_add(
+        let exit_tolerance = distance.mul_add(
             epsilons,
             distance.constant(S::PRECISION * CLEARANCE_EPSILONS),
         );
@@ -77,9 +81,9 @@ impl<V: Real> Segment<V> {
         Self {
             length: interval.length,
             alive,
-            stray_room,
-            entry_room: V::select(entered, exit_room, -exit_room),
-            exit_room,
+            stray_tolerance,
+            entry_tolerance: V::select(entered, exit_tolerance, -exit_tolerance),
+            exit_tolerance,
             ..local
         }
     }
@@ -105,26 +109,29 @@ impl<V: Real> Segment<V> {
     where
         V: Real<Scalar = S>,
     {
-        let like = start;
-        let (zero, one) = (like.constant(0.0), like.constant(1.0));
-        let normal = Vector::splat(like, patch.normal);
-        let corner = from - Vector::splat(like, patch.base.corner);
-        let [across, base] = Vector::splat_both(like, [patch.base.across, patch.base.along]);
-        let (side, foot) = (patch.base.side.in_lanes(like), like.splat(patch.base.foot));
+        let lanes = start;
+        let (zero, one) = (lanes.constant(0.0), lanes.constant(1.0));
+        let normal = Vector::splat(lanes, patch.normal);
+        let corner = from - Vector::splat(lanes, patch.base.corner);
+        let [across, base] = Vector::splat_both(lanes, [patch.base.across, patch.base.along]);
+        let (edge, foot) = (
+            patch.base.edge.in_lanes(lanes),
+            lanes.splat(patch.base.foot),
+        );
         let coordinates = inlined(
             #[inline(always)]
             |b_m: V, x: V, sum: V| {
                 let b_j = x.less_product(foot, b_m);
-                side.placed([sum - b_j - b_m, b_j, b_m])
+                edge.placed([sum - b_j - b_m, b_j, b_m])
             },
         );
         Self {
             start,
             length: end,
-            alive: like.mask(true),
-            stray_room: zero,
-            entry_room: zero,
-            exit_room: zero,
+            alive: lanes.mask(true),
+            stray_tolerance: zero,
+            entry_tolerance: zero,
+            exit_tolerance: zero,
             speed: along.length(),
             b: coordinates(across.dot(corner), base.dot(corner), one),
             b_rate: coordinates(across.dot(along), base.dot(along), zero),
@@ -151,7 +158,7 @@ impl<V: Real> Segment<V> {
 
     /// The tolerance at which a root is as good as the precision allows, in the segment's parameter.
     #[inline(always)]
-    pub(crate) fn tolerance(&self) -> V {
+    pub(crate) fn parameter_tolerance(&self) -> V {
         let epsilon = self.speed.constant(V::Scalar::PRECISION);
         epsilon / self.speed + epsilon * epsilon.constant(0.25) * self.start.abs()
     }
@@ -163,9 +170,9 @@ impl<V: Real> Segment<V> {
         [
             self.start,
             self.length,
-            self.stray_room,
-            self.entry_room,
-            self.exit_room,
+            self.stray_tolerance,
+            self.entry_tolerance,
+            self.exit_tolerance,
             self.speed,
             b0,
             b1,
@@ -184,9 +191,9 @@ impl<V: Real> Segment<V> {
         let [
             start,
             length,
-            stray_room,
-            entry_room,
-            exit_room,
+            stray_tolerance,
+            entry_tolerance,
+            exit_tolerance,
             speed,
             b0,
             b1,
@@ -201,9 +208,9 @@ impl<V: Real> Segment<V> {
             start,
             length,
             alive,
-            stray_room,
-            entry_room,
-            exit_room,
+            stray_tolerance,
+            entry_tolerance,
+            exit_tolerance,
             speed,
             b: [b0, b1, b2],
             b_rate: [r0, r1, r2],
@@ -215,16 +222,16 @@ impl<V: Real> Segment<V> {
     /// The segment of one ray in every lane of a value like this one, to be looked at in several
     /// places at once.
     #[inline(always)]
-    pub(crate) fn in_lanes<L: Real<Scalar = V>>(&self, like: L) -> Segment<L>
+    pub(crate) fn in_lanes<L: Real<Scalar = V>>(&self, lanes: L) -> Segment<L>
     where
         V: Scalar,
     {
         // Not by `map`, which is not always inlined and then costs a lane more than its work.
-        let mut numbers = [like; SEGMENT_NUMBERS];
-        for (lanes, number) in numbers.iter_mut().zip(self.numbers()) {
-            *lanes = like.splat(number);
+        let mut numbers = [lanes; SEGMENT_NUMBERS];
+        for (value, number) in numbers.iter_mut().zip(self.numbers()) {
+            *value = lanes.splat(number);
         }
-        Segment::from_numbers(numbers, like.mask(self.alive))
+        Segment::from_numbers(numbers, lanes.mask(self.alive))
     }
 
     /// What a steep surface may rise within a step of this width of the segment's parameter, in
@@ -237,11 +244,11 @@ impl<V: Real> Segment<V> {
     /// Begins the segment anew a little beyond `at`.
     #[inline(always)]
     pub(crate) fn skip_to(&mut self, at: V) {
-        let at = at + self.tolerance() * at.constant(16.0);
+        let at = at + self.parameter_tolerance() * at.constant(16.0);
         self.b = self.projection(at);
         self.z = self.z(at);
         self.start = self.start + at;
-        self.entry_room = -self.exit_room;
+        self.entry_tolerance = -self.exit_tolerance;
         self.length = self.length - at;
         self.alive = self.alive & at.constant(0.0).less(self.length);
     }
@@ -268,8 +275,8 @@ impl<V: Real> Segment<V> {
         let at = -(self.z / self.z_rate);
         let zero = at.constant(0.0);
         let (early, late) = (at.less(zero), self.length.less(at));
-        let near = (early & self.z.abs().at_most(self.entry_room))
-            | (late & self.z(self.length).abs().at_most(self.exit_room));
+        let near = (early & self.z.abs().at_most(self.entry_tolerance))
+            | (late & self.z(self.length).abs().at_most(self.exit_tolerance));
         let within = zero.at_most(at) & at.at_most(self.length);
         (
             at.greater(zero).lesser(self.length),

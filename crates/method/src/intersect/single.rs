@@ -1,60 +1,60 @@
-//! One ray at one curved triangle: laid out and clipped with the three sides in SIMD lanes. Most such rays
+//! One ray at one curved triangle: laid out and clipped with the three edges in SIMD lanes. Most such rays
 //! miss, and there is nothing but this to tell them so.
 
 use fearless_simd::{f32x4, prelude::*, u8x16};
 
-use super::clip::Interval;
+use super::clip::RayInterval;
 use super::ray::{Ray, localized};
 use crate::numbers::{Arithmetic, Constant, Mask, Quad, Real, Vector, inlined, three, vector};
-use crate::patch::{BoundsKind, Choice, Corners, Frame, HalfSpace};
-use crate::store::KeptPatch;
+use crate::patch::{BoundsKind, Choice, HalfSpace, TriangleFrame, TriangleVertices};
+use crate::store::PackedTriangle;
 
-/// The bytes of the lanes 1, 2, 0 and 3: each side's next in its place.
+/// The bytes of the lanes 1, 2, 0 and 3: each edge's next in its place.
 const NEXT: [u8; 16] = [4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 12, 13, 14, 15];
-/// The lane behind the sides'.
+/// The lane behind the edges'.
 const LAST: usize = 3;
 
 /// A curved triangle's frame and the planes around it.
 pub(crate) struct Single<S: Simd> {
-    pub frame: Frame<f32>,
-    /// Through the sides; in the last lane the one below.
+    pub frame: TriangleFrame<f32>,
+    /// Through the edges; in the last lane the one below.
     planes: HalfSpace<Quad<S>>,
     /// The offset of the one above.
     above: f32,
 }
 
-impl KeptPatch<'_> {
+impl PackedTriangle<'_> {
     /// The least and the greatest height, where the surface is curved and these bound it.
     #[inline(always)]
     pub(crate) fn single_slab(&self) -> Option<[f32; 2]> {
-        let record = self.record();
-        let bounded = record.is_curved() && record.flags().bounds() == BoundsKind::Tight;
+        let packed = self.packed();
+        let bounded = packed.is_curved() && packed.flags().bounds() == BoundsKind::Tight;
         bounded.then_some(self.slab)
     }
 }
 
 impl<S: Simd> Single<S> {
-    /// Of a triangle with such a [slab](KeptPatch::single_slab).
+    /// Of a triangle with such a [slab](PackedTriangle::single_slab).
     #[inline(always)]
-    pub fn new(simd: S, corners: &Corners, [least, most]: [f32; 2]) -> Self {
+    pub fn new(simd: S, corners: &TriangleVertices, [least, most]: [f32; 2]) -> Self {
         let normals = in_lanes(simd, &corners.normals);
         let positions = in_lanes(simd, &corners.positions);
-        let edges = next(simd, positions) - positions;
-        let like = edges.x;
-        let [a, b, c, _] = numbers(edges.max_abs());
+        let edge_vectors = next(simd, positions) - positions;
+        let lanes = edge_vectors.x;
+        let [a, b, c, _] = numbers(edge_vectors.max_abs());
         let extent = a.greater(b).greater(c);
         let size = extent.power_of_two();
-        let edges = edges * like.splat(size.per_power_of_two());
-        let lengths2 = edges.dot(edges);
-        // Of each side with the next one.
-        let crosses = vectors(edges.cross(next(simd, edges)));
+        let edge_vectors = edge_vectors * lanes.splat(size.per_power_of_two());
+        let lengths2 = edge_vectors.dot(edge_vectors);
+        // Of each edge with the next one.
+        let crosses = vectors(edge_vectors.cross(next(simd, edge_vectors)));
         let [a, b, c, _] = numbers(lengths2);
         let longest = Choice::longest([a, b, c]);
         let cross = longest.pick_vector([crosses[1], crosses[2], crosses[0]]);
-        let frame = Frame {
+        let frame = TriangleFrame {
             origin: corners.positions[0],
             size,
-            edges: vectors(edges),
+            edge_vectors: vectors(edge_vectors),
             lengths2: [a, b, c],
             longest,
             cross,
@@ -64,35 +64,39 @@ impl<S: Simd> Single<S> {
         let frame = frame.oriented(&corners.normals);
         let guides = normals + next(simd, normals);
         let up = frame.cross * frame.winding;
-        let (winding, area2) = (like.splat(frame.winding), like.splat(frame.area2));
-        let planes = HalfSpace::of_sides(
-            edges,
+        let (winding, area2) = (lanes.splat(frame.winding), lanes.splat(frame.area2));
+        let planes = HalfSpace::of_edge(
+            edge_vectors,
             guides,
-            Vector::splat(like, up),
+            Vector::splat(lanes, up),
             winding,
-            like.constant(2.0) * lengths2.sqrt(),
+            lanes.constant(2.0) * lengths2.sqrt(),
         );
-        // Those of the first and the third side go through the origin.
-        let way = Vector::splat(like, frame.edges[0]);
+        // Those of the first and the third edge go through the origin.
+        let way = Vector::splat(lanes, frame.edge_vectors[0]);
         let lane = f32x4::from_slice(simd, &[0.0, 1.0, 2.0, 3.0]);
         let lane = Quad(lane);
-        let second = like.constant(0.5).less(lane) & lane.less(like.constant(1.5));
-        let sides = lane.less(like.constant(2.5));
+        let second = lanes.constant(0.5).less(lane) & lane.less(lanes.constant(1.5));
+        let edges = lane.less(lanes.constant(2.5));
         let offset = Quad::select(second, planes.through(way).offset, planes.offset);
         let level = HalfSpace::level(
-            Vector::splat(like, up),
-            like.splat(-least * frame.area2),
+            Vector::splat(lanes, up),
+            lanes.splat(-least * frame.area2),
             area2,
         );
         Self {
             planes: HalfSpace {
                 normal: vector(
-                    Quad::select(sides, planes.normal.x, level.normal.x),
-                    Quad::select(sides, planes.normal.y, level.normal.y),
-                    Quad::select(sides, planes.normal.z, level.normal.z),
+                    Quad::select(edges, planes.normal.x, level.normal.x),
+                    Quad::select(edges, planes.normal.y, level.normal.y),
+                    Quad::select(edges, planes.normal.z, level.normal.z),
                 ),
-                offset: Quad::select(sides, offset, level.offset),
-                spread: Quad::select(sides, planes.spread, level.spread),
+                offset: Quad::select(edges, offset, level.offset),
+                distance_tolerance: Quad::select(
+                    edges,
+                    planes.distance_tolerance,
+                    level.distance_tolerance,
+                ),
             },
             above: most * frame.area2,
             frame,
@@ -101,27 +105,27 @@ impl<S: Simd> Single<S> {
 
     /// The same as [`Outline::clip`](super::Outline::clip).
     #[inline(always)]
-    pub fn clip(&self, ray: &Ray<f32>) -> Interval<f32> {
+    pub fn clip(&self, ray: &Ray<f32>) -> RayInterval<f32> {
         let [from, along] = localized(ray, self.frame.origin, self.frame.size.per_power_of_two());
         let distance = from.max_abs();
         let HalfSpace {
             normal,
             offset,
-            spread,
+            distance_tolerance,
         } = self.planes;
-        let like = offset;
-        let value =
-            normal.dot(Vector::splat(like, from)) + spread.mul_add(like.splat(distance), offset);
-        let rate = normal.dot(Vector::splat(like, along));
-        let zero = like.constant(0.0);
+        let lanes = offset;
+        let value = normal.dot(Vector::splat(lanes, from))
+            + distance_tolerance.mul_add(lanes.splat(distance), offset);
+        let rate = normal.dot(Vector::splat(lanes, along));
+        let zero = lanes.constant(0.0);
         let crossing = -(value / rate);
         let (enters, leaves) = (zero.less(rate), rate.less(zero));
-        let endless = like.constant(f64::INFINITY);
+        let endless = lanes.constant(f64::INFINITY);
         let entries = numbers(Quad::select(enters, crossing, -endless));
         let exits = numbers(Quad::select(leaves, crossing, endless));
         let passes = (enters | leaves | zero.at_most(value)).all();
         // The plane above has the normal of the one below, turned round.
-        let (rise, room) = (numbers(rate)[LAST], numbers(spread)[LAST]);
+        let (rise, room) = (numbers(rate)[LAST], numbers(distance_tolerance)[LAST]);
         let up = self.up();
         let value = -up.dot(from) + room.mul_add(distance, self.above);
         let crossing = value / rise;
@@ -135,7 +139,7 @@ impl<S: Simd> Single<S> {
         lo = f32::select(enters, crossing, lo).greater(lo);
         hi = f32::select(leaves, crossing, hi).lesser(hi);
         let alive = passes & (enters | leaves | (0.0 <= value));
-        Interval {
+        RayInterval {
             start: lo,
             length: hi - lo,
             alive: alive & (lo <= hi) & (lo <= ray.tfar),
@@ -162,7 +166,7 @@ fn in_lanes<S: Simd>(simd: S, [a, b, c]: &[Vector<f32>; 3]) -> Vector<Quad<S>> {
     )
 }
 
-/// What belongs to the next side, in each side's place.
+/// What belongs to the next edge, in each edge's place.
 #[inline(always)]
 fn next<S: Simd>(simd: S, of: Vector<Quad<S>>) -> Vector<Quad<S>> {
     let turned = inlined(
@@ -179,7 +183,7 @@ fn numbers<S: Simd>(of: Quad<S>) -> [f32; 4] {
     numbers
 }
 
-/// The sides' vectors.
+/// The edges' vectors.
 #[inline(always)]
 fn vectors<S: Simd>(of: Vector<Quad<S>>) -> [Vector<f32>; 3] {
     let (x, y, z) = (numbers(of.x), numbers(of.y), numbers(of.z));

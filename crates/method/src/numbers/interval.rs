@@ -4,12 +4,12 @@ use super::scalar::Real;
 
 /// Closed range of values.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Range<V> {
+pub(crate) struct Interval<V> {
     pub lo: V,
     pub hi: V,
 }
 
-impl<V: Real> Range<V> {
+impl<V: Real> Interval<V> {
     #[inline(always)]
     pub fn of(value: V) -> Self {
         Self {
@@ -19,8 +19,8 @@ impl<V: Real> Range<V> {
     }
     /// Zero alone.
     #[inline(always)]
-    pub fn zero(like: V) -> Self {
-        Self::of(like.constant(0.0))
+    pub fn zero(lanes: V) -> Self {
+        Self::of(lanes.constant(0.0))
     }
     #[inline(always)]
     pub fn select(mask: V::Mask, yes: Self, no: Self) -> Self {

@@ -60,7 +60,7 @@ macro_rules! lanes {
     (
         $(#[$doc:meta])*
         $lanes:ident: $register:ty, $mask:ident: $mask_register:ty, $scalar:ty,
-        |$like:ident, $value:ident| $splat:expr, $splat_mask:expr
+        |$same:ident, $value:ident| $splat:expr, $splat_mask:expr
     ) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
@@ -89,12 +89,12 @@ macro_rules! lanes {
 
             #[inline(always)]
             fn splat(self, value: $scalar) -> Self {
-                let ($like, $value) = (self, value);
+                let ($same, $value) = (self, value);
                 $splat
             }
             #[inline(always)]
             fn splat_mask(self, value: <$scalar as Real>::Mask) -> $mask<S> {
-                let ($like, $value) = (self, value);
+                let ($same, $value) = (self, value);
                 $splat_mask
             }
             #[inline(always)]
@@ -130,7 +130,7 @@ macro_rules! lanes {
                 atan2(self, x)
             }
             #[inline(always)]
-            fn apart<T>(self, call: impl FnOnce() -> T) -> T {
+            fn out_of_line<T>(self, call: impl FnOnce() -> T) -> T {
                 self.0.token().vectorize(call)
             }
         }
@@ -148,13 +148,13 @@ masks! {
 lanes! {
     /// One `f32` a lane, as many as a register of the instruction set `S` has.
     Lanes: S::f32s, LaneMask: S::mask32s, f32,
-    |like, value| Self(S::f32s::splat(like.0.token(), value)), like.mask(value)
+    |lanes, value| Self(S::f32s::splat(lanes.0.token(), value)), lanes.mask(value)
 }
 lanes! {
     /// Four lanes of `f32`, with the same ray in each: a single ray is faster in a register's lanes, where
     /// choices take no branches and no detours.
     Quad: f32x4<S>, QuadMask: mask32x4<S>, f32,
-    |like, value| Self(f32x4::splat(like.0.token(), value)), like.mask(value)
+    |lanes, value| Self(f32x4::splat(lanes.0.token(), value)), lanes.mask(value)
 }
 masks! {
     /// The same for [`Patches`].
@@ -163,7 +163,7 @@ masks! {
 lanes! {
     /// Constants of eight patches, one `f32` each; and what rays are at them, one each.
     Patches: f32x8<S>, PatchMask: mask32x8<S>, Self,
-    |_like, value| value, value
+    |_lanes, value| value, value
 }
 
 masks! {
@@ -173,7 +173,7 @@ masks! {
 lanes! {
     /// The same of sixteen.
     ManyPatches: f32x16<S>, ManyMask: mask32x16<S>, Self,
-    |_like, value| value, value
+    |_lanes, value| value, value
 }
 
 /// How many patches [`Patches`] are of.

@@ -11,7 +11,7 @@ mod vector;
 
 pub use dual::Dual;
 pub(crate) use fields::Visitor;
-pub(crate) use interval::Range;
+pub(crate) use interval::Interval;
 pub use jet::{Jet, Quadratic};
 pub(crate) use jet::{at_least, capped, lesser, ratio_or_zero};
 pub use lanes::{

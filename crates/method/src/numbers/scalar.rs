@@ -129,7 +129,7 @@ pub trait Real: Arithmetic {
 
     /// Calls a function whose code is better not copied to each place that calls it.
     #[inline(always)]
-    fn apart<T>(self, call: impl FnOnce() -> T) -> T {
+    fn out_of_line<T>(self, call: impl FnOnce() -> T) -> T {
         call()
     }
     /// The lesser of the two; `other` where `self` is NaN.
@@ -151,7 +151,7 @@ pub trait Constant: Real<Scalar = Self> + std::fmt::Debug {
 
     /// The largest power of two that is not larger than this positive normal number.
     ///
-    /// Dividing by it is exact, so two triangles that share a side get bit-equal numbers of it,
+    /// Dividing by it is exact, so two triangles that share an edge get bit-equal numbers of it,
     /// whatever their own sizes.
     fn power_of_two(self) -> Self;
 

@@ -66,13 +66,13 @@ impl<R: Real> Vector<R> {
     }
     /// The same scalar vector in every lane of a value like this one.
     #[inline(always)]
-    pub fn splat(like: R, v: Vector<R::Scalar>) -> Self {
-        vector(like.splat(v.x), like.splat(v.y), like.splat(v.z))
+    pub fn splat(lanes: R, v: Vector<R::Scalar>) -> Self {
+        vector(lanes.splat(v.x), lanes.splat(v.y), lanes.splat(v.z))
     }
     /// The same two scalar vectors in every lane of a value like this one.
     #[inline(always)]
-    pub(crate) fn splat_both(like: R, [a, b]: [Vector<R::Scalar>; 2]) -> [Self; 2] {
-        [Self::splat(like, a), Self::splat(like, b)]
+    pub(crate) fn splat_both(lanes: R, [a, b]: [Vector<R::Scalar>; 2]) -> [Self; 2] {
+        [Self::splat(lanes, a), Self::splat(lanes, b)]
     }
     /// The vector of length 1 in this direction; not finite for the zero vector.
     #[inline(always)]

@@ -1,60 +1,60 @@
-//! Which of a triangle's three sides, one answer a lane.
+//! Which of a triangle's three edges, one answer a lane.
 
 use super::cyclic::next;
 use crate::numbers::{Constant, Jet, Real, Vector, Visitor, three, vector};
 
-/// A side of the triangle, one a lane.
+/// An edge of the triangle, one a lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Choice<V: Real> {
     /// Any value with the same lanes.
-    pub like: V,
+    pub lanes: V,
     first: V::Mask,
     second: V::Mask,
 }
 
 impl<V: Real> Choice<V> {
-    /// Side `k` is chosen where the opposite vertex's coordinate is the smallest.
+    /// Edge `k` is chosen where the opposite vertex's coordinate is the smallest.
     #[inline(always)]
     pub fn nearest(b: [V; 3]) -> Self {
-        let like = b[0];
+        let lanes = b[0];
         let first = b[2].at_most(b[0]) & b[2].at_most(b[1]);
         Self {
-            like,
+            lanes,
             first,
             second: !first & b[0].at_most(b[1]),
         }
     }
 
-    /// The longest side, of these squared lengths; the earliest of equals.
+    /// The longest edge, of these squared lengths; the earliest of equals.
     #[inline(always)]
     pub fn longest(lengths2: [V; 3]) -> Self {
         let [first, second, third] = lengths2;
         let later = first.less(second);
         let last = V::select(later, second, first).less(third);
         Self {
-            like: first,
+            lanes: first,
             first: !(last | later),
             second: later & !last,
         }
     }
 
-    /// Side `k` in every lane.
+    /// Edge `k` in every lane.
     #[inline(always)]
-    pub fn only(like: V, k: usize) -> Self {
+    pub fn only(lanes: V, k: usize) -> Self {
         Self {
-            like,
-            first: like.mask(k == 0),
-            second: like.mask(k == 1),
+            lanes,
+            first: lanes.mask(k == 0),
+            second: lanes.mask(k == 1),
         }
     }
 
-    /// The chosen one of three values, one for each side.
+    /// The chosen one of three values, one for each edge.
     #[inline(always)]
     pub fn pick<T: Jet<V>>(self, of: [T; 3]) -> T {
         T::select(self.first, of[0], T::select(self.second, of[1], of[2]))
     }
 
-    /// The chosen one of three vectors, one for each side.
+    /// The chosen one of three vectors, one for each edge.
     #[inline(always)]
     pub fn pick_vector(self, [a, b, c]: [Vector<V>; 3]) -> Vector<V> {
         vector(
@@ -64,13 +64,13 @@ impl<V: Real> Choice<V> {
         )
     }
 
-    /// Values of the chosen side's first and second vertex and of the opposite one, by vertex.
+    /// Values of the chosen edge's first and second vertex and of the opposite one, by vertex.
     #[inline(always)]
     pub fn placed(self, [first, second, opposite]: [V; 3]) -> [V; 3] {
         three(
             #[inline(always)]
             |v| {
-                // Vertex v is the first of side v, the second of side v - 1, opposite to side v + 1.
+                // Vertex v is the first of edge v, the second of edge v - 1, opposite to edge v + 1.
                 let before = self.is(next(next(v)));
                 V::select(self.is(v), first, V::select(before, second, opposite))
             },
@@ -79,11 +79,11 @@ impl<V: Real> Choice<V> {
 
     /// The same choice in every lane of a value like this one.
     #[inline(always)]
-    pub fn in_lanes<L: Real<Scalar = V>>(self, like: L) -> Choice<L> {
+    pub fn in_lanes<L: Real<Scalar = V>>(self, lanes: L) -> Choice<L> {
         Choice {
-            like,
-            first: like.splat_mask(self.first),
-            second: like.splat_mask(self.second),
+            lanes,
+            first: lanes.splat_mask(self.first),
+            second: lanes.splat_mask(self.second),
         }
     }
 
@@ -92,7 +92,7 @@ impl<V: Real> Choice<V> {
     pub fn constant(self, of: impl Fn(usize) -> V::Scalar) -> V {
         self.pick(three(
             #[inline(always)]
-            |k| self.like.splat(of(k)),
+            |k| self.lanes.splat(of(k)),
         ))
     }
 
@@ -101,7 +101,7 @@ impl<V: Real> Choice<V> {
     pub fn truth(self, of: impl Fn(usize) -> <V::Scalar as Real>::Mask) -> V::Mask {
         let of = three(
             #[inline(always)]
-            |k| self.like.splat_mask(of(k)),
+            |k| self.lanes.splat_mask(of(k)),
         );
         (self.first & of[0]) | (self.second & of[1]) | (self.is(2) & of[2])
     }
@@ -116,7 +116,7 @@ impl<V: Real> Choice<V> {
         by.truth(at + 1, &mut self.second);
     }
 
-    /// Whether side `k` is chosen.
+    /// Whether edge `k` is chosen.
     #[inline(always)]
     pub fn is(self, k: usize) -> V::Mask {
         match k {

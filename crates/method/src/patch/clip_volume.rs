@@ -12,12 +12,12 @@ pub(crate) struct HalfSpace<S> {
     pub offset: S,
     /// How much further out for a unit of the distance that rays come from: of rounding, by so many epsilons
     /// of it; the normal is about as long.
-    pub spread: S,
+    pub distance_tolerance: S,
 }
 
 /// The planes around a patch, five in the same form, so that all can be looked at at once.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Hull<S> {
+pub(crate) struct ClipVolume<S> {
     pub(crate) origin: Vector<S>,
     pub(crate) unit: S,
     pub(crate) planes: [HalfSpace<S>; 5],
@@ -28,7 +28,7 @@ pub(crate) struct Hull<S> {
     pub(crate) exists: bool,
 }
 
-impl<S: Constant> Hull<S> {
+impl<S: Constant> ClipVolume<S> {
     /// The hull of no surface.
     #[inline(always)]
     pub fn empty(origin: Vector<S>) -> Self {
@@ -36,7 +36,7 @@ impl<S: Constant> Hull<S> {
         let plane = HalfSpace {
             normal: vector(zero, zero, zero),
             offset: zero,
-            spread: zero,
+            distance_tolerance: zero,
         };
         Self {
             origin,
@@ -54,11 +54,11 @@ impl<S: Constant> HalfSpace<S> {
     fn visit(&mut self, at: usize, by: &mut impl Visitor<S>) {
         by.vector(at, &mut self.normal);
         by.number(at + 3, &mut self.offset);
-        by.number(at + 4, &mut self.spread);
+        by.number(at + 4, &mut self.distance_tolerance);
     }
 }
 
-impl<S: Constant> Hull<S> {
+impl<S: Constant> ClipVolume<S> {
     /// Shows all numbers of a hull without a sphere.
     #[inline(always)]
     pub fn visit(&mut self, by: &mut impl Visitor<S>) {

@@ -1,29 +1,29 @@
-//! What a patch knows of its plane and its sides, laid out from a triangle's frame: with as few
+//! What a patch knows of its plane and its edges, laid out from a triangle's frame: with as few
 //! divisions and roots as there can be, and three of a kind at once, since rays wait for it.
 
 use super::cyclic::next;
 use super::flags::{PatchFlags, Surface};
-use super::plane::{Plane, ratios};
-use super::triangle_frame::Frame;
+use super::plane::{TrianglePlane, ratios};
+use super::triangle_frame::TriangleFrame;
 use crate::numbers::{Constant, Real, Vector, Visitor, inlined, three};
 
-/// The centroid's foot on a side must lie this far inside it, as a share of the side's length, for
-/// the paper's planes to bound a sub-triangle; else the side takes the ramp of obtuse triangles.
+/// The centroid's foot on an edge must lie this far inside it, as a share of the edge's length, for
+/// the paper's planes to bound a sub-triangle; else the edge takes the ramp of obtuse triangles.
 const MIN_CENTROID_FOOT: f64 = 0.1;
 
-/// What a patch knows of a side, in the side's frame: x along the side from its first vertex, y
+/// What a patch knows of an edge, in the edge's frame: x along the edge from its first vertex, y
 /// along the inward in-plane perpendicular.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Side<S: Real> {
+pub(crate) struct Edge<S: Real> {
     /// Squared length.
     pub length2: S,
-    /// Height of the opposite vertex over the side.
+    /// Height of the opposite vertex over the edge.
     pub height: S,
     /// One over the height.
     pub per_height: S,
-    /// Foot of the opposite vertex, as a share of the side's length.
+    /// Foot of the opposite vertex, as a share of the edge's length.
     pub foot: S,
-    /// The guide on the side is `nc + lean w`: the paper's side plane (5).
+    /// The guide on the edge is `nc + lean w`: the paper's edge plane (5).
     pub lean: S,
     /// `lean / height`.
     pub tilt: S,
@@ -31,21 +31,21 @@ pub(crate) struct Side<S: Real> {
     pub rise: [S; 2],
     /// Whether the ramp of obtuse triangles takes the place of the paper's planes.
     pub obtuse: S::Mask,
-    /// `2 n.(other - own)` at the side's two ends: reference curvature times squared length.
+    /// `2 n.(other - own)` at the edge's two ends: reference curvature times squared length.
     pub bend: [S; 2],
-    /// Height of the surface over the side's middle, four times, by the mean of the two bends.
+    /// Height of the surface over the edge's middle, four times, by the mean of the two bends.
     pub bulge: S,
-    /// Four times the damping of this side.
+    /// Four times the damping of this edge.
     pub damping: S,
-    /// Coefficients of the correction's slope, a quadratic along the side.
+    /// Coefficients of the correction's slope, a quadratic along the edge.
     pub correction: [S; 3],
-    /// Whether the other side at either end is straight, though the vertex's normal leans along
+    /// Whether the other edge at either end is straight, though the vertex's normal leans along
     /// it: there the surface cannot keep the vertex's tangent plane, and the slope does not vanish.
     pub loose: [bool; 2],
 }
 
-impl<S: Constant> Side<S> {
-    /// Shows all numbers of a side that is not straight and has no loose end, sixteen from `at` on.
+impl<S: Constant> Edge<S> {
+    /// Shows all numbers of an edge that is not straight and has no loose end, sixteen from `at` on.
     #[inline(always)]
     pub fn visit(&mut self, at: usize, by: &mut impl Visitor<S>) {
         by.number(at, &mut self.length2);
@@ -67,20 +67,20 @@ impl<S: Constant> Side<S> {
     }
 }
 
-/// The three sides, without their corrections.
+/// The three edges, without their corrections.
 #[inline(always)]
-pub(crate) fn sides<S: Constant>(
-    frame: &Frame<S>,
-    plane: &Plane<S>,
+pub(crate) fn edges<S: Constant>(
+    frame: &TriangleFrame<S>,
+    plane: &TrianglePlane<S>,
     normals: &[Vector<S>; 3],
     flags: PatchFlags,
-) -> [Side<S>; 3] {
+) -> [Edge<S>; 3] {
     let constant = inlined(
         #[inline(always)]
         |value: f64| frame.area2.constant(value),
     );
     let (zero, one, third) = (constant(0.0), constant(1.0), constant(1.0 / 3.0));
-    let edges = &frame.edges;
+    let edge_vectors = &frame.edge_vectors;
     let sums = three(
         #[inline(always)]
         |k| normals[k] + normals[next(k)],
@@ -95,10 +95,10 @@ pub(crate) fn sides<S: Constant>(
             |k| sums[k].dot(plane.normal),
         ),
     );
-    // Where the opposite vertex stands over the side: from the side's first vertex.
+    // Where the opposite vertex stands over the edge: from the edge's first vertex.
     let feet = three(
         #[inline(always)]
-        |k| -edges[next(next(k))].dot(edges[k]) * plane.per_length2[k],
+        |k| -edge_vectors[next(next(k))].dot(edge_vectors[k]) * plane.per_length2[k],
     );
     let centroids = three(
         #[inline(always)]
@@ -113,19 +113,22 @@ pub(crate) fn sides<S: Constant>(
     );
     let margin = constant(MIN_CENTROID_FOOT);
     let smooth = flags.surface() == Surface::Smooth;
-    let side = inlined(
+    let edge = inlined(
         #[inline(always)]
         |k: usize| {
-            let edge = edges[k];
+            let edge_vector = edge_vectors[k];
             let (straight, per_height) = (flags.is_straight(k), plane.heights[3 + k]);
             let centroid = centroids[k];
             let obtuse = !(margin.less(centroid) & centroid.less(one - margin));
-            let (first, second) = (normals[k].dot(edge), normals[next(k)].dot(edge));
+            let (first, second) = (
+                normals[k].dot(edge_vector),
+                normals[next(k)].dot(edge_vector),
+            );
             let kept = constant(if straight { 0.0 } else { 2.0 });
             let most = constant(0.9);
-            let damping = (sums[k].dot(edge).abs() * plane.per_length[k]).lesser(most);
+            let damping = (sums[k].dot(edge_vector).abs() * plane.per_length[k]).lesser(most);
             let damped = constant(if smooth && !straight { 4.0 } else { 0.0 });
-            Side {
+            Edge {
                 length2: frame.lengths2[k],
                 height: plane.heights[k],
                 per_height,
@@ -148,5 +151,5 @@ pub(crate) fn sides<S: Constant>(
             }
         },
     );
-    [side(0), side(1), side(2)]
+    [edge(0), edge(1), edge(2)]
 }

@@ -4,13 +4,13 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Surface {
     /// The paper's curvature rule, equation (19): by the angle at the vertex. Continuous, but its
-    /// normals jump across sides.
+    /// normals jump across edges.
     Angular,
-    /// Curvature as a quadratic form in the direction (Euler's formula), fixed by the three sides'
-    /// curvatures. Normals across sides agree for practical purposes on fine meshes.
+    /// Curvature as a quadratic form in the direction (Euler's formula), fixed by the three edges'
+    /// curvatures. Normals across edges agree for practical purposes on fine meshes.
     Tensor,
-    /// `Tensor`, damped where a side's two ends tell different curvatures, and corrected so that
-    /// the tangent planes of neighbours agree along their side (C1).
+    /// `Tensor`, damped where an edge's two ends tell different curvatures, and corrected so that
+    /// the tangent planes of neighbours agree along their edge (C1).
     #[default]
     Smooth,
 }
@@ -29,7 +29,7 @@ impl Surface {
     }
 }
 
-/// What bounds a patch: its box for Embree, and what its rays are clipped to beside the side planes.
+/// What bounds a patch: its box for Embree, and what its rays are clipped to beside the edge planes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BoundsKind {
     /// What is known of the surface's heights: a box hardly larger than it must be, and a slab
@@ -53,9 +53,9 @@ impl BoundsKind {
     }
 }
 
-/// The surface, the sides that must stay straight, and whether the triangle is to stay flat.
+/// The surface, the edges that must stay straight, and whether the triangle is to stay flat.
 ///
-/// Side `k` runs from vertex `k` to vertex `k + 1` (cyclically, from 0).
+/// Edge `k` runs from vertex `k` to vertex `k + 1` (cyclically, from 0).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(transparent)]
 pub struct PatchFlags(u16);
@@ -73,19 +73,19 @@ impl PatchFlags {
     const SPHERE: u16 = 1 << 7;
     const PLANE: u16 = 1 << 8;
 
-    /// All sides curved.
+    /// All edges curved.
     pub const fn new(surface: Surface) -> Self {
         Self((surface as u16) << Self::SURFACE_SHIFT)
     }
-    /// With side `side` (0, 1 or 2) straight, as it has to be where the neighbour across it does
+    /// With edge `edge` (0, 1 or 2) straight, as it has to be where the neighbour across it does
     /// not share the two vertices' normals.
     ///
     /// # Panics
-    /// If `side` is above 2.
+    /// If `edge` is above 2.
     #[must_use]
-    pub const fn with_straight(self, side: usize) -> Self {
-        assert!(side < 3, "a triangle has the sides 0, 1 and 2");
-        Self(self.0 | 1 << side)
+    pub const fn with_straight(self, edge: usize) -> Self {
+        assert!(edge < 3, "a triangle has the edges 0, 1 and 2");
+        Self(self.0 | 1 << edge)
     }
     /// The whole triangle stays in its plane.
     #[must_use]
@@ -112,9 +112,9 @@ impl PatchFlags {
             BoundsKind::Sphere => Self(self.0 | Self::SPHERE),
         }
     }
-    /// Whether side `side` is straight.
-    pub const fn is_straight(self, side: usize) -> bool {
-        self.0 & (1 << side) != 0
+    /// Whether edge `edge` is straight.
+    pub const fn is_straight(self, edge: usize) -> bool {
+        self.0 & (1 << edge) != 0
     }
     /// Whether the triangle was told to stay flat.
     pub const fn is_flat(self) -> bool {

@@ -6,7 +6,7 @@ use super::flags::Surface;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FlatReason {
     /// It was told to.
-    Asked,
+    Requested,
     /// Its surface lies in its plane anyway, to within rounding.
     Plane,
     /// So thin that its plane is uncertain.
@@ -15,7 +15,7 @@ pub enum FlatReason {
     BackNormal,
     /// The normals bend so much that a sphere of a vertex could be missed by the guide.
     Bend,
-    /// The guide field would fold over near a side.
+    /// The guide field would fold over near an edge.
     Fold,
 }
 
@@ -26,13 +26,13 @@ pub enum PatchKind {
     Curved,
     /// Curved by the angular rule, because the curvature tensor is too wild here.
     Fallback,
-    /// Flat, with straight sides.
+    /// Flat, with straight edges.
     Flat(FlatReason),
     /// No area or not finite: there is no surface, and no ray hits it.
     Degenerate,
 }
 
-/// How the curvature at a point follows from the sides' curvatures.
+/// How the curvature at a point follows from the edges' curvatures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Rule {
     Angular,

@@ -13,7 +13,7 @@ mod triangle_vertices;
 mod unpacked;
 
 pub(crate) use choice::Choice;
-pub(crate) use clip_volume::{HalfSpace, Hull};
+pub(crate) use clip_volume::{ClipVolume, HalfSpace};
 pub(crate) use cyclic::next;
 pub use flags::{BoundsKind, PatchFlags, Surface};
 pub(crate) use kind::Rule;
@@ -21,7 +21,7 @@ pub use kind::{FlatReason, PatchKind};
 pub(crate) use plane::roots;
 pub(crate) use sphere::Enlargement;
 pub use sphere::Sphere;
-pub(crate) use triangle_frame::{Frame, SLIVER_AREA, THIN};
-pub use triangle_vertices::Corners;
+pub(crate) use triangle_frame::{SLIVER_AREA, THIN, TriangleFrame};
+pub use triangle_vertices::TriangleVertices;
 pub(crate) use triangle_vertices::VERTICES;
 pub use unpacked::Patch;

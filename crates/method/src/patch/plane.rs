@@ -1,26 +1,26 @@
 //! A triangle's plane.
 
-use super::triangle_frame::Frame;
+use super::triangle_frame::TriangleFrame;
 use crate::numbers::{Constant, Real, Vector, three};
 
 /// A triangle's plane.
-pub(crate) struct Plane<S> {
+pub(crate) struct TrianglePlane<S> {
     /// `nc`: the unit normal, turned to agree with the vertex normals.
     pub normal: Vector<S>,
     /// Gradients of the three barycentric coordinates.
     pub gradients: [Vector<S>; 3],
-    /// Each side's unit perpendicular.
+    /// Each edge's unit perpendicular.
     pub inward: [Vector<S>; 3],
-    /// Heights over the sides, and one over them.
+    /// Heights over the edges, and one over them.
     pub(crate) heights: [S; 2 * 3],
-    /// One over each side's length and its square.
+    /// One over each edge's length and its square.
     pub(crate) per_length: [S; 3],
     pub per_length2: [S; 3],
 }
 
-impl<S: Constant> Plane<S> {
+impl<S: Constant> TrianglePlane<S> {
     #[inline(always)]
-    pub fn new(frame: &Frame<S>) -> Self {
+    pub fn new(frame: &TriangleFrame<S>) -> Self {
         let one = frame.area2.constant(1.0);
         let per_area = one / frame.area2;
         let per_length2 = ratios([one; 3], frame.lengths2);
@@ -32,7 +32,7 @@ impl<S: Constant> Plane<S> {
         let geometric = frame.cross * per_area;
         let across = three(
             #[inline(always)]
-            |k| geometric.cross(frame.edges[k]),
+            |k| geometric.cross(frame.edge_vectors[k]),
         );
         let heights = three(
             #[inline(always)]
@@ -44,7 +44,7 @@ impl<S: Constant> Plane<S> {
         );
         Self {
             normal: geometric * frame.winding,
-            // Side k is opposite to vertex k + 2.
+            // Edge k is opposite to vertex k + 2.
             gradients: [
                 across[1] * per_area,
                 across[2] * per_area,

@@ -17,15 +17,15 @@ const TINY: f64 = 1e-30;
 
 /// A triangle in units of its size, with the first vertex as the origin.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Frame<S: Real> {
+pub(crate) struct TriangleFrame<S: Real> {
     pub origin: Vector<S>,
-    /// A power of two, at most the longest side.
+    /// A power of two, at most the longest edge.
     pub size: S,
-    /// Every side by direct subtraction of its ends, never as a sum of other sides.
-    pub edges: [Vector<S>; 3],
+    /// Every edge by direct subtraction of its ends, never as a sum of other edges.
+    pub edge_vectors: [Vector<S>; 3],
     /// The edges' squared lengths.
     pub lengths2: [S; 3],
-    /// The longest side.
+    /// The longest edge.
     pub longest: Choice<S>,
     /// Along the normal of the vertices' counterclockwise order, twice the area long.
     pub cross: Vector<S>,
@@ -35,12 +35,12 @@ pub(crate) struct Frame<S: Real> {
     pub winding: S,
 }
 
-impl<S: Constant> Frame<S> {
+impl<S: Constant> TriangleFrame<S> {
     /// The frame of a triangle that is neither degenerate nor a sliver; of any other it is nothing.
     #[inline(always)]
     pub fn of_sound(positions: &[Vector<S>; 3], normals: &[Vector<S>; 3]) -> Self {
-        let edges = edges(positions);
-        Self::scaled(positions[0], edges, extent(&edges)).oriented(normals)
+        let edge_vectors = edge_vectors(positions);
+        Self::scaled(positions[0], edge_vectors, extent(&edge_vectors)).oriented(normals)
     }
 
     /// Whether the triangle over these positions, of which this is the frame, is finite and neither degenerate nor
@@ -51,7 +51,7 @@ impl<S: Constant> Frame<S> {
             #[inline(always)]
             |value: f64| self.area2.constant(value),
         );
-        let extent = extent(&edges(positions));
+        let extent = extent(&edge_vectors(positions));
         let Vector { x, y, z } = positions[0] * constant(0.0);
         // What is not finite is no number by now, and fails any comparison.
         constant(TINY).less(extent)
@@ -62,28 +62,28 @@ impl<S: Constant> Frame<S> {
 
     /// All but the winding.
     #[inline(always)]
-    fn scaled(origin: Vector<S>, edges: [Vector<S>; 3], extent: S) -> Self {
+    fn scaled(origin: Vector<S>, edge_vectors: [Vector<S>; 3], extent: S) -> Self {
         let one = extent.constant(1.0);
         let size = extent.power_of_two();
         let unit = size.per_power_of_two();
-        let edges = three(
+        let edge_vectors = three(
             #[inline(always)]
-            |k| edges[k] * unit,
+            |k| edge_vectors[k] * unit,
         );
         let lengths2 = three(
             #[inline(always)]
-            |k| edges[k].dot(edges[k]),
+            |k| edge_vectors[k].dot(edge_vectors[k]),
         );
         let longest = Choice::longest(lengths2);
-        let [a, b, c] = edges;
-        // The two shortest sides give the most certain vector product.
+        let [a, b, c] = edge_vectors;
+        // The two shortest edges give the most certain vector product.
         let cross = longest
             .pick_vector([b, c, a])
             .cross(longest.pick_vector([c, a, b]));
         Self {
             origin,
             size,
-            edges,
+            edge_vectors,
             lengths2,
             longest,
             cross,
@@ -101,9 +101,9 @@ impl<S: Constant> Frame<S> {
     }
 }
 
-/// The sides from vertex to vertex.
+/// The edges from vertex to vertex.
 #[inline(always)]
-fn edges<S: Real>(positions: &[Vector<S>; 3]) -> [Vector<S>; 3] {
+fn edge_vectors<S: Real>(positions: &[Vector<S>; 3]) -> [Vector<S>; 3] {
     [
         positions[1] - positions[0],
         positions[2] - positions[1],
@@ -116,16 +116,16 @@ fn extent<S: Real>([a, b, c]: &[Vector<S>; 3]) -> S {
     a.max_abs().greater(b.max_abs()).greater(c.max_abs())
 }
 
-impl<S: Scalar> Frame<S> {
+impl<S: Scalar> TriangleFrame<S> {
     /// The frame, unless there is no area or something is not finite.
     #[inline(always)]
     pub fn new(positions: &[Vector<S>; 3], normals: &[Vector<S>; 3]) -> Option<Self> {
-        let edges = edges(positions);
-        let extent = extent(&edges);
+        let edge_vectors = edge_vectors(positions);
+        let extent = extent(&edge_vectors);
         if !(S::from_f64(TINY).less(extent) && extent < S::HUGE && positions[0].is_finite()) {
             return None;
         }
-        let mut frame = Self::scaled(positions[0], edges, extent);
+        let mut frame = Self::scaled(positions[0], edge_vectors, extent);
         if !(S::from_f64(SLIVER_AREA) < frame.area2) {
             (frame.cross, frame.area2) = thin_plane(positions, frame.size)?;
         }
@@ -139,7 +139,7 @@ impl<S: Scalar> Frame<S> {
     }
 }
 
-/// The vector product of a thin triangle's sides and its length; in single precision it would drown in
+/// The vector product of a thin triangle's edges and its length; in single precision it would drown in
 /// rounding. The plane has to be right all the same: rays may meet it at a grazing angle.
 #[cold]
 #[inline(never)]

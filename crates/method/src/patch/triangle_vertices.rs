@@ -1,6 +1,6 @@
 //! A triangle's vertices.
 
-use super::triangle_frame::Frame;
+use super::triangle_frame::TriangleFrame;
 use crate::numbers::Vector;
 
 /// How many numbers a triangle's vertices are.
@@ -8,22 +8,22 @@ pub(crate) const VERTICES: usize = 18;
 
 /// A triangle's vertices.
 #[derive(Clone, Copy, Debug)]
-pub struct Corners {
+pub struct TriangleVertices {
     /// Their positions.
     pub positions: [Vector<f32>; 3],
     /// Their normals, unit.
     pub normals: [Vector<f32>; 3],
 }
 
-impl Corners {
-    /// The unit of length of the patch over them: a power of two, at most the longest side; 1 where there
+impl TriangleVertices {
+    /// The unit of length of the patch over them: a power of two, at most the longest edge; 1 where there
     /// is no patch.
     pub fn size(&self) -> f32 {
-        Frame::new(&self.positions, &self.normals).map_or(1.0, |frame| frame.size)
+        TriangleFrame::new(&self.positions, &self.normals).map_or(1.0, |frame| frame.size)
     }
 }
 
-impl Corners {
+impl TriangleVertices {
     /// All numbers, the positions first.
     #[inline(always)]
     pub(crate) fn numbers(&self) -> [f32; VERTICES] {

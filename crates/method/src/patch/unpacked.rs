@@ -1,14 +1,14 @@
 //! A patch, ready for rays.
 
 use super::choice::Choice;
-use super::clip_volume::Hull;
+use super::clip_volume::ClipVolume;
 use super::cyclic::next;
-use super::edge::{Side, sides};
+use super::edge::{Edge, edges};
 use super::flags::PatchFlags;
 use super::kind::{FlatReason, PatchKind, Rule};
-use super::plane::Plane;
+use super::plane::TrianglePlane;
 use super::sphere::Sphere;
-use super::triangle_frame::Frame;
+use super::triangle_frame::TriangleFrame;
 use crate::numbers::{Constant, Mask, Real, Scalar, Vector, Visitor, each, three, vector};
 
 /// What a patch knows of a vertex.
@@ -16,27 +16,27 @@ use crate::numbers::{Constant, Mask, Real, Scalar, Vector, Visitor, each, three,
 pub(crate) struct Vertex<S> {
     /// Normal times the plane's normal.
     pub normal: S,
-    /// Normal times each side's inward perpendicular.
+    /// Normal times each edge's inward perpendicular.
     pub inward: [S; 3],
-    /// Scalar product of the two sides out of the vertex; on its own, since on thin triangles it
+    /// Scalar product of the two edges out of the vertex; on its own, since on thin triangles it
     /// drowns in a difference of squared lengths.
     pub between: S,
     /// One over the angle at the vertex, radians.
     pub inverse_angle: S,
 }
 
-/// The frame of the longest side: because on a needle the gradients' rounding would shift points along it.
+/// The frame of the longest edge: because on a needle the gradients' rounding would shift points along it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Base<S: Constant> {
-    /// Which side that is.
-    pub side: Choice<S>,
+pub(crate) struct BaseFrame<S: Constant> {
+    /// Which edge that is.
+    pub edge: Choice<S>,
     /// Its first vertex.
     pub corner: Vector<S>,
     /// Its edge over its squared length.
     pub along: Vector<S>,
     /// The gradient of the opposite vertex's coordinate.
     pub across: Vector<S>,
-    /// Its [`Side::foot`].
+    /// Its [`Edge::foot`].
     pub foot: S,
 }
 
@@ -46,7 +46,7 @@ pub(crate) struct Base<S: Constant> {
 #[derive(Clone, Copy, Debug)]
 pub struct Patch<S: Constant> {
     /// What rays are clipped to.
-    pub(crate) hull: Hull<S>,
+    pub(crate) clip_volume: ClipVolume<S>,
     pub(crate) origin: Vector<S>,
     pub(crate) size: S,
     /// First to second and first to third vertex.
@@ -57,10 +57,10 @@ pub struct Patch<S: Constant> {
     pub(crate) winding: S,
     /// Gradients of the three barycentric coordinates.
     pub(crate) gradients: [Vector<S>; 3],
-    pub(crate) sides: [Side<S>; 3],
+    pub(crate) edges: [Edge<S>; 3],
     pub(crate) vertices: [Vertex<S>; 3],
     /// The frame in which rays are set up.
-    pub(crate) base: Base<S>,
+    pub(crate) base: BaseFrame<S>,
     /// Twice the area.
     pub(crate) area2: S,
     /// Least and greatest height of the surface over its plane.
@@ -73,17 +73,17 @@ pub struct Patch<S: Constant> {
     pub(crate) unevenness: S,
 }
 
-impl<S: Constant> Base<S> {
+impl<S: Constant> BaseFrame<S> {
     #[inline(always)]
-    fn new(frame: &Frame<S>, plane: &Plane<S>, sides: &[Side<S>; 3]) -> Self {
-        let (side, zero) = (frame.longest, frame.area2.constant(0.0));
-        let ([a, b, c], [first, second, third]) = (frame.edges, plane.gradients);
+    fn new(frame: &TriangleFrame<S>, plane: &TrianglePlane<S>, edges: &[Edge<S>; 3]) -> Self {
+        let (edge, zero) = (frame.longest, frame.area2.constant(0.0));
+        let ([a, b, c], [first, second, third]) = (frame.edge_vectors, plane.gradients);
         Self {
-            side,
-            corner: side.pick_vector([vector(zero, zero, zero), a, -c]),
-            along: side.pick_vector([a, b, c]) * side.pick(plane.per_length2),
-            across: side.pick_vector([third, first, second]),
-            foot: side.pick([sides[0].foot, sides[1].foot, sides[2].foot]),
+            edge,
+            corner: edge.pick_vector([vector(zero, zero, zero), a, -c]),
+            along: edge.pick_vector([a, b, c]) * edge.pick(plane.per_length2),
+            across: edge.pick_vector([third, first, second]),
+            foot: edge.pick([edges[0].foot, edges[1].foot, edges[2].foot]),
         }
     }
 }
@@ -94,7 +94,7 @@ impl<S: Scalar> Patch<S> {
         self.kind
     }
 
-    /// The unit of length inside: a power of two, at most the longest side.
+    /// The unit of length inside: a power of two, at most the longest edge.
     pub fn size(&self) -> S {
         self.size
     }
@@ -113,7 +113,7 @@ impl<S: Scalar> Patch<S> {
     /// The sphere that bounds the patch, if it was [asked](PatchFlags::with_bounds) for and the patch is
     /// not flat.
     pub fn sphere(&self) -> Option<&Sphere<S>> {
-        self.hull.sphere.as_ref()
+        self.clip_volume.sphere.as_ref()
     }
 
     /// The slab of heights, unless the patch is plane.
@@ -128,12 +128,12 @@ impl<S: Scalar> Patch<S> {
         self.rule = Rule::Flat;
         self.any_obtuse = false;
         self.slab = [zero; 2];
-        for side in &mut self.sides {
-            side.lean = zero;
-            side.tilt = zero;
-            side.bend = [zero; 2];
-            side.damping = zero;
-            side.correction = [zero; 3];
+        for edge in &mut self.edges {
+            edge.lean = zero;
+            edge.tilt = zero;
+            edge.bend = [zero; 2];
+            edge.damping = zero;
+            edge.correction = [zero; 3];
         }
     }
 }
@@ -144,7 +144,7 @@ impl<S: Constant> Patch<S> {
     pub(crate) fn empty(origin: Vector<S>) -> Self {
         let (zero, one) = (origin.x.constant(0.0), origin.x.constant(1.0));
         let none = vector(zero, zero, zero);
-        let side = Side {
+        let edge = Edge {
             length2: zero,
             height: zero,
             per_height: zero,
@@ -166,17 +166,17 @@ impl<S: Constant> Patch<S> {
             inverse_angle: zero,
         };
         Self {
-            hull: Hull::empty(origin),
+            clip_volume: ClipVolume::empty(origin),
             origin,
             size: one,
             spokes: [none; 2],
             normal: none,
             winding: one,
             gradients: [none; 3],
-            sides: [side; 3],
+            edges: [edge; 3],
             vertices: [vertex; 3],
-            base: Base {
-                side: Choice::only(zero, 0),
+            base: BaseFrame {
+                edge: Choice::only(zero, 0),
                 corner: none,
                 along: none,
                 across: none,
@@ -194,10 +194,14 @@ impl<S: Constant> Patch<S> {
 
     /// The patch of a triangle, without the correction, the slab and the unevenness.
     #[inline(always)]
-    pub(crate) fn laid(frame: &Frame<S>, normals: &[Vector<S>; 3], flags: PatchFlags) -> Self {
+    pub(crate) fn from_frame(
+        frame: &TriangleFrame<S>,
+        normals: &[Vector<S>; 3],
+        flags: PatchFlags,
+    ) -> Self {
         let zero = frame.area2.constant(0.0);
-        let plane = Plane::new(frame);
-        let sides = sides(frame, &plane, normals, flags);
+        let plane = TrianglePlane::new(frame);
+        let edges = edges(frame, &plane, normals, flags);
         let vertices = three(
             #[inline(always)]
             |i| Vertex {
@@ -206,23 +210,23 @@ impl<S: Constant> Patch<S> {
                     #[inline(always)]
                     |k| normals[i].dot(plane.inward[k]),
                 ),
-                between: -frame.edges[i].dot(frame.edges[next(next(i))]),
+                between: -frame.edge_vectors[i].dot(frame.edge_vectors[next(next(i))]),
                 inverse_angle: zero,
             },
         );
         let mut patch = Self {
-            hull: Hull::empty(frame.origin),
+            clip_volume: ClipVolume::empty(frame.origin),
             origin: frame.origin,
             size: frame.size,
-            spokes: [frame.edges[0], -frame.edges[2]],
+            spokes: [frame.edge_vectors[0], -frame.edge_vectors[2]],
             normal: plane.normal,
             winding: frame.winding,
             gradients: plane.gradients,
-            any_obtuse: (sides[0].obtuse | sides[1].obtuse | sides[2].obtuse).any(),
+            any_obtuse: (edges[0].obtuse | edges[1].obtuse | edges[2].obtuse).any(),
             any_loose: (0..3).any(|k| flags.is_straight(k)),
-            sides,
+            edges,
             vertices,
-            base: Base::new(frame, &plane, &sides),
+            base: BaseFrame::new(frame, &plane, &edges),
             area2: frame.area2,
             slab: [zero; 2],
             rule: Rule::of(flags.surface()),
@@ -235,7 +239,7 @@ impl<S: Constant> Patch<S> {
                 // Over twice the normals' mean cosine, near enough for a guess.
                 let upright = patch.vertices[k].normal + patch.vertices[next(k)].normal;
                 let quarter = zero.constant(0.25);
-                patch.sides[k].bulge =
+                patch.edges[k].bulge =
                     patch.mean_bend(k) * (upright * quarter - zero.constant(1.0));
             },
         );
@@ -251,10 +255,10 @@ impl<S: Constant> Patch<S> {
         }
     }
 
-    /// The bend of a side as the vertex opposite to it sees it: its two ends' mean.
+    /// The bend of an edge as the vertex opposite to it sees it: its two ends' mean.
     #[inline(always)]
-    pub(crate) fn mean_bend(&self, side: usize) -> S {
-        let [first, second] = self.sides[side].bend;
+    pub(crate) fn mean_bend(&self, edge: usize) -> S {
+        let [first, second] = self.edges[edge].bend;
         (first + second) * first.constant(0.5)
     }
 }
@@ -272,7 +276,7 @@ impl<S: Constant> Patch<S> {
         self.visit_part(1, 37, by);
         self.visit_part(2, 61, by);
         let base = &mut self.base;
-        base.side.visit(85, by);
+        base.edge.visit(85, by);
         by.vector(87, &mut base.corner);
         by.vector(90, &mut base.along);
         by.vector(93, &mut base.across);
@@ -282,11 +286,11 @@ impl<S: Constant> Patch<S> {
         by.number(99, &mut self.unevenness);
     }
 
-    /// Those of a vertex, its gradient and the side from there: 24.
+    /// Those of a vertex, its gradient and the edge from there: 24.
     #[inline(always)]
     fn visit_part(&mut self, k: usize, at: usize, by: &mut impl Visitor<S>) {
         by.vector(at, &mut self.gradients[k]);
-        self.sides[k].visit(at + 3, by);
+        self.edges[k].visit(at + 3, by);
         let vertex = &mut self.vertices[k];
         by.number(at + 19, &mut vertex.normal);
         by.number(at + 20, &mut vertex.inward[0]);

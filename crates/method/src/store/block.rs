@@ -2,13 +2,13 @@
 
 use fearless_simd::{Level, dispatch, f32x8, mask32x8, prelude::*};
 
-use super::columns::{Column, HULL, PATCH, Pick, Store, in_columns, vertices};
-use super::packed_triangle::KeptPatch;
+use super::columns::{CLIP_VOLUME, Column, PATCH, Pick, Store, in_columns, vertices};
+use super::packed_triangle::PackedTriangle;
 use crate::numbers::{
     Constant, MAX_LANES, PATCHES, PairLanes, PatchMask, Patches, inlined, three, vector,
 };
 use crate::patch::{
-    BoundsKind, Frame, Hull, Patch, PatchFlags, PatchKind, Rule, Surface, VERTICES,
+    BoundsKind, ClipVolume, Patch, PatchFlags, PatchKind, Rule, Surface, TriangleFrame, VERTICES,
 };
 
 /// How many numbers a patch is laid out from.
@@ -18,20 +18,20 @@ const SOURCE: usize = 30;
 #[derive(Clone, Debug)]
 pub struct PatchBlock {
     /// Which ones are, one bit each.
-    laid: u32,
+    unpacked: u32,
     any_obtuse: bool,
-    /// A number of each patch: [`Hull::visit`].
-    hulls: [[f32; PATCHES]; HULL],
+    /// A number of each patch: [`ClipVolume::visit`].
+    clip_volumes: [[f32; PATCHES]; CLIP_VOLUME],
     /// A number of each patch: [`Patch::visit`].
     patches: [[f32; PATCHES]; PATCH],
 }
 
-impl KeptPatch<'_> {
-    /// Whether a block takes the patch: it does where it is curved as asked for, without straight sides.
+impl PackedTriangle<'_> {
+    /// Whether a block takes the patch: it does where it is curved as asked for, without straight edges.
     /// Of one surface all that can be are laid out alike.
     pub fn fits_block(&self) -> bool {
-        let flags = self.record().flags();
-        self.record().kind() == PatchKind::Curved
+        let flags = self.packed().flags();
+        self.packed().kind() == PatchKind::Curved
             && flags.surface() != Surface::Angular
             && flags.bounds() == BoundsKind::Tight
             && !(flags.is_straight(0) | flags.is_straight(1) | flags.is_straight(2))
@@ -41,13 +41,13 @@ impl KeptPatch<'_> {
     #[inline(always)]
     fn source(&self) -> [f32; SOURCE] {
         let mut source = [0.0; SOURCE];
-        let record = self.record();
+        let packed = self.packed();
         self.corners().write(&mut source[..VERTICES]);
-        source[VERTICES..20].copy_from_slice(&record.slab);
-        for (to, from) in source[20..29].chunks_exact_mut(3).zip(record.correction()) {
+        source[VERTICES..20].copy_from_slice(&packed.slab);
+        for (to, from) in source[20..29].chunks_exact_mut(3).zip(packed.correction()) {
             to.copy_from_slice(&from);
         }
-        source[29] = record.unevenness();
+        source[29] = packed.unevenness();
         source
     }
 }
@@ -55,9 +55,9 @@ impl KeptPatch<'_> {
 impl Default for PatchBlock {
     fn default() -> Self {
         Self {
-            laid: 0,
+            unpacked: 0,
             any_obtuse: false,
-            hulls: [[0.0; PATCHES]; HULL],
+            clip_volumes: [[0.0; PATCHES]; CLIP_VOLUME],
             patches: [[0.0; PATCHES]; PATCH],
         }
     }
@@ -66,25 +66,25 @@ impl Default for PatchBlock {
 impl PatchBlock {
     /// Takes all patches out.
     pub fn clear(&mut self) {
-        (self.laid, self.any_obtuse) = (0, false);
+        (self.unpacked, self.any_obtuse) = (0, false);
     }
 
     /// The patches that are laid out, one bit each.
-    pub fn laid(&self) -> u32 {
-        self.laid
+    pub fn unpacked(&self) -> u32 {
+        self.unpacked
     }
 
-    /// Lays out some patches, one bit each, that [fit](KeptPatch::fits_block) and are of one surface.
-    pub fn lay<'a>(&mut self, which: u32, of: impl Fn(usize) -> KeptPatch<'a>) {
-        self.lay_at(Level::new(), which, of);
+    /// Lays out some patches, one bit each, that [fit](PackedTriangle::fits_block) and are of one surface.
+    pub fn unpack<'a>(&mut self, which: u32, of: impl Fn(usize) -> PackedTriangle<'a>) {
+        self.unpack_at(Level::new(), which, of);
     }
 
     /// The same with the instructions of one level.
-    pub(crate) fn lay_at<'a>(
+    pub(crate) fn unpack_at<'a>(
         &mut self,
         level: Level,
         which: u32,
-        of: impl Fn(usize) -> KeptPatch<'a>,
+        of: impl Fn(usize) -> PackedTriangle<'a>,
     ) {
         // All are read before anything is done with one: then the processor waits for them side by side.
         let mut all = [None; PATCHES];
@@ -97,18 +97,18 @@ impl PatchBlock {
         let Some(first) = all.iter().flatten().next() else {
             return;
         };
-        let flags = first.record().flags();
-        debug_assert!(all.iter().flatten().all(KeptPatch::fits_block));
+        let flags = first.packed().flags();
+        debug_assert!(all.iter().flatten().all(PackedTriangle::fits_block));
         // Something sound in the other lanes.
         let columns = in_columns(
             #[inline(always)]
             |n| all[n].as_ref().unwrap_or(first).source(),
         );
-        dispatch!(level, simd => self.lay_columns(simd, which, flags, &columns));
+        dispatch!(level, simd => self.unpack_columns(simd, which, flags, &columns));
     }
 
     #[inline(always)]
-    fn lay_columns<S: Simd>(
+    fn unpack_columns<S: Simd>(
         &mut self,
         simd: S,
         which: u32,
@@ -121,11 +121,11 @@ impl PatchBlock {
         );
         let [positions, normals] = vertices(simd, columns);
         let slab = [number(VERTICES), number(VERTICES + 1)];
-        let frame = Frame::of_sound(&positions, &normals);
-        let mut hull = Hull::around(&frame, &normals, Some(slab), None);
-        let mut patch = Patch::laid(&frame, &normals, flags);
-        for (k, side) in patch.sides.iter_mut().enumerate() {
-            side.correction = three(
+        let frame = TriangleFrame::of_sound(&positions, &normals);
+        let mut hull = ClipVolume::around(&frame, &normals, Some(slab), None);
+        let mut patch = Patch::from_frame(&frame, &normals, flags);
+        for (k, edge) in patch.edges.iter_mut().enumerate() {
+            edge.correction = three(
                 #[inline(always)]
                 |c| number(20 + 3 * k + c),
             );
@@ -134,23 +134,23 @@ impl PatchBlock {
         patch.unevenness = number(29);
         let lanes = PatchMask(mask32x8::from_bitmask(simd, which.into()));
         hull.visit(&mut Store {
-            columns: &mut self.hulls,
+            columns: &mut self.clip_volumes,
             lanes,
         });
         patch.visit(&mut Store {
             columns: &mut self.patches,
             lanes,
         });
-        self.laid |= which;
+        self.unpacked |= which;
         self.any_obtuse |= patch.any_obtuse;
     }
 
     /// What rays at one patch are clipped to.
     #[inline(always)]
-    pub(crate) fn hull(&self, n: usize) -> Hull<f32> {
-        let mut hull = Hull::empty(vector(0.0, 0.0, 0.0));
+    pub(crate) fn hull(&self, n: usize) -> ClipVolume<f32> {
+        let mut hull = ClipVolume::empty(vector(0.0, 0.0, 0.0));
         hull.visit(&mut Column {
-            columns: &self.hulls,
+            columns: &self.clip_volumes,
             n,
         });
         hull.exists = true;

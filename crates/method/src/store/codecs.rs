@@ -21,12 +21,12 @@ impl<S: Constant> Patch<S> {
         each(
             #[inline(always)]
             |k| {
-                let [a, b, c] = self.sides[k].correction;
+                let [a, b, c] = self.edges[k].correction;
                 let rounded = inlined(
                     #[inline(always)]
                     |value: S| ((value + coarse) - coarse).greater(-most).lesser(most),
                 );
-                self.sides[k].correction = [rounded(a), rounded(b), rounded(c)];
+                self.edges[k].correction = [rounded(a), rounded(b), rounded(c)];
             },
         );
     }
@@ -35,19 +35,19 @@ impl<S: Constant> Patch<S> {
     /// does not change it.
     #[inline(always)]
     pub(crate) fn correction_unit(&self) -> S {
-        let like = self.area2;
-        let mut greatest = like.constant(0.0);
+        let lanes = self.area2;
+        let mut greatest = lanes.constant(0.0);
         each(
             #[inline(always)]
             |k| {
-                let [a, b, c] = self.sides[k].correction;
+                let [a, b, c] = self.edges[k].correction;
                 greatest = a.abs().greater(greatest);
                 greatest = b.abs().greater(greatest);
                 greatest = c.abs().greater(greatest);
             },
         );
-        let [least, most] = EXPONENTS.map(|exponent| like.constant(2f64.powi(exponent)));
-        let unit = greatest.power_of_two() * like.constant(2f64.powi(1 - DIGITS));
+        let [least, most] = EXPONENTS.map(|exponent| lanes.constant(2f64.powi(exponent)));
+        let unit = greatest.power_of_two() * lanes.constant(2f64.powi(1 - DIGITS));
         unit.greater(least).lesser(most)
     }
 }

@@ -7,7 +7,7 @@ use crate::numbers::{
 };
 
 /// How many numbers a hull is kept in.
-pub(crate) const HULL: usize = 29;
+pub(crate) const CLIP_VOLUME: usize = 29;
 /// How many numbers a patch is kept in.
 pub(crate) const PATCH: usize = 100;
 

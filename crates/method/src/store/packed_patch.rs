@@ -8,10 +8,10 @@ use crate::patch::{Enlargement, FlatReason, Patch, PatchFlags, PatchKind};
 /// without computing bounds and correction again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
-pub struct PatchRecord {
+pub struct PackedPatch {
     /// Least and greatest height, in units of the patch's size.
     pub(crate) slab: [f32; 2],
-    /// In units of two to the power of `exponent`: the correction vanishes on the sides, so that
+    /// In units of two to the power of `exponent`: the correction vanishes on the edges, so that
     /// 16 bits are enough for it.
     correction: [[i16; 3]; 3],
     flags: PatchFlags,
@@ -24,7 +24,7 @@ pub struct PatchRecord {
 }
 
 const _: () = assert!(
-    size_of::<PatchRecord>() == 32,
+    size_of::<PackedPatch>() == 32,
     "what is kept of a triangle has grown"
 );
 
@@ -33,7 +33,7 @@ const KINDS: [PatchKind; 9] = [
     PatchKind::Curved,
     PatchKind::Fallback,
     PatchKind::Degenerate,
-    PatchKind::Flat(FlatReason::Asked),
+    PatchKind::Flat(FlatReason::Requested),
     PatchKind::Flat(FlatReason::Sliver),
     PatchKind::Flat(FlatReason::BackNormal),
     PatchKind::Flat(FlatReason::Bend),
@@ -41,7 +41,7 @@ const KINDS: [PatchKind; 9] = [
     PatchKind::Flat(FlatReason::Plane),
 ];
 
-impl PatchRecord {
+impl PackedPatch {
     /// Of a triangle without area, which nothing is known of yet.
     pub fn blank(flags: PatchFlags) -> Self {
         let heights = Heights {
@@ -62,7 +62,7 @@ impl PatchRecord {
             slab: heights.slab,
             correction: heights
                 .correction
-                .map(|side| side.map(|c| (c * per_unit) as i16)),
+                .map(|edge| edge.map(|c| (c * per_unit) as i16)),
             flags,
             kind: kind.expect("every kind is in the list") as u8,
             unevenness: heights.unevenness,
@@ -103,7 +103,7 @@ impl PatchRecord {
         unpack_unevenness(self.unevenness)
     }
 
-    /// The correction's coefficients, a side each.
+    /// The correction's coefficients, an edge each.
     #[inline(always)]
     pub(crate) fn correction<S: Scalar>(&self) -> [[S; 3]; 3] {
         let unit = power_of_two(self.exponent.into());
@@ -111,10 +111,10 @@ impl PatchRecord {
         three(
             #[inline(always)]
             |k| {
-                let side = &self.correction[k];
+                let edge = &self.correction[k];
                 three(
                     #[inline(always)]
-                    |n| S::from_f64((f32::from(side[n]) * unit).into()),
+                    |n| S::from_f64((f32::from(edge[n]) * unit).into()),
                 )
             },
         )
@@ -122,19 +122,19 @@ impl PatchRecord {
 }
 
 impl<S: Scalar> Patch<S> {
-    /// What [`Patch::from_record`] needs to know beside the vertices.
-    pub fn record(&self, flags: PatchFlags) -> PatchRecord {
+    /// What [`Patch::unpack`] needs to know beside the vertices.
+    pub fn pack(&self, flags: PatchFlags) -> PackedPatch {
         let single = |value: S| value.to_f64() as f32;
         let heights = Heights {
             slab: self.slab.map(single),
-            correction: self.sides.map(|side| side.correction.map(single)),
+            correction: self.edges.map(|edge| edge.correction.map(single)),
             unit: single(self.correction_unit()),
             unevenness: pack_unevenness(self.unevenness),
         };
         let sphere = self.sphere();
-        PatchRecord {
+        PackedPatch {
             enlargement: sphere.map_or_else(Default::default, |sphere| sphere.enlargement()),
-            ..PatchRecord::new(self.kind, flags, &heights)
+            ..PackedPatch::new(self.kind, flags, &heights)
         }
     }
 }
@@ -157,8 +157,8 @@ mod tests {
 
     fn patch(correction: [[f64; 3]; 3]) -> Patch<f64> {
         let mut patch = Patch::empty(vector(0.0, 0.0, 0.0));
-        for (side, c) in patch.sides.iter_mut().zip(correction) {
-            side.correction = c;
+        for (edge, c) in patch.edges.iter_mut().zip(correction) {
+            edge.correction = c;
         }
         patch
     }
@@ -168,7 +168,7 @@ mod tests {
         let mut patch = patch([[0.0; 3]; 3]);
         for kind in KINDS {
             patch.kind = kind;
-            assert_eq!(patch.record(PatchFlags::default()).kind(), kind);
+            assert_eq!(patch.pack(PatchFlags::default()).kind(), kind);
         }
     }
 
@@ -182,7 +182,7 @@ mod tests {
             ];
             let mut patch = patch(wanted);
             patch.round_correction();
-            let rounded = patch.sides.map(|side| side.correction);
+            let rounded = patch.edges.map(|edge| edge.correction);
             for (rounded, wanted) in rounded.iter().flatten().zip(wanted.iter().flatten()) {
                 let error = (rounded - wanted).abs();
                 assert!(
@@ -190,10 +190,10 @@ mod tests {
                     "{rounded} for {wanted}"
                 );
             }
-            let record = patch.record(PatchFlags::default());
-            assert_eq!(record.correction::<f64>(), rounded);
+            let packed = patch.pack(PatchFlags::default());
+            assert_eq!(packed.correction::<f64>(), rounded);
             patch.round_correction();
-            assert_eq!(patch.sides.map(|side| side.correction), rounded);
+            assert_eq!(patch.edges.map(|edge| edge.correction), rounded);
         }
     }
 
@@ -213,11 +213,11 @@ mod tests {
         for surface in Surface::ALL {
             let flags = PatchFlags::new(surface);
             let patch = Patch::new(positions, normals, flags);
-            let again = Patch::from_record(positions, normals, &patch.record(flags));
+            let again = Patch::unpack(positions, normals, &patch.pack(flags));
             // The angles at the vertices are set where the rule asks for them.
             assert_eq!((patch.kind, patch.rule), (again.kind, again.rule));
             assert_eq!(patch.slab, again.slab);
-            assert_eq!(format!("{:?}", patch.sides), format!("{:?}", again.sides));
+            assert_eq!(format!("{:?}", patch.edges), format!("{:?}", again.edges));
         }
     }
 }

@@ -3,44 +3,44 @@
 use fearless_simd::{Level, dispatch, f32x8, prelude::*};
 
 use super::columns::{in_columns, vertices};
-use super::packed_patch::PatchRecord;
+use super::packed_patch::PackedPatch;
 use super::unpack::Outline;
-use crate::bounds::Reach;
+use crate::bounds::DirectionalBounds;
 use crate::numbers::{Patches, inlined};
-use crate::patch::{Corners, Patch, VERTICES};
+use crate::patch::{Patch, TriangleVertices, VERTICES};
 
-/// A curved triangle's vertices and its record: all that is kept of a patch.
+/// A curved triangle's vertices and its packed patch.
 #[derive(Clone, Copy, Debug)]
-pub struct KeptPatch<'a> {
-    pub(crate) corners: Corners,
+pub struct PackedTriangle<'a> {
+    pub(crate) corners: TriangleVertices,
     /// The record's, so that the record is read when the vertices are.
     pub(crate) slab: [f32; 2],
-    record: &'a PatchRecord,
+    packed: &'a PackedPatch,
 }
 
-impl<'a> KeptPatch<'a> {
-    /// The patch over these vertices whose [record](Patch::record) this is.
+impl<'a> PackedTriangle<'a> {
+    /// The patch over these vertices whose [record](Patch::pack) this is.
     #[inline(always)]
-    pub fn new(corners: Corners, record: &'a PatchRecord) -> Self {
+    pub fn new(corners: TriangleVertices, packed: &'a PackedPatch) -> Self {
         Self {
             corners,
-            slab: record.slab,
-            record,
+            slab: packed.slab,
+            packed,
         }
     }
 
-    pub(crate) fn corners(&self) -> &Corners {
+    pub(crate) fn corners(&self) -> &TriangleVertices {
         &self.corners
     }
 
-    pub(crate) fn record(&self) -> &'a PatchRecord {
-        self.record
+    pub(crate) fn packed(&self) -> &'a PackedPatch {
+        self.packed
     }
 
     /// What rays are clipped to.
     #[inline(always)]
     pub fn outline(&self) -> Outline<'a, f32> {
-        Outline::new(self.corners.positions, self.corners.normals, self.record)
+        Outline::new(self.corners.positions, self.corners.normals, self.packed)
     }
 
     /// The whole patch.
@@ -55,20 +55,20 @@ impl<'a> KeptPatch<'a> {
 /// Numbers of a triangle: its vertices and the slab.
 const SOURCE: usize = VERTICES + 2;
 
-impl KeptPatch<'_> {
+impl PackedTriangle<'_> {
     #[inline(always)]
     fn reach_source(&self) -> [f32; SOURCE] {
         let mut source = [0.0; SOURCE];
         self.corners().write(&mut source[..VERTICES]);
-        source[VERTICES..].copy_from_slice(&self.record().slab().unwrap_or([0.0; 2]));
+        source[VERTICES..].copy_from_slice(&self.packed().slab().unwrap_or([0.0; 2]));
         source
     }
 }
 
-impl<S: Simd> Reach<Patches<S>> {
+impl<S: Simd> DirectionalBounds<Patches<S>> {
     /// Of eight triangles, none without area, one a lane.
     #[inline(always)]
-    pub fn of_patches<'a>(simd: S, of: impl Fn(usize) -> KeptPatch<'a>) -> Self {
+    pub fn of_patches<'a>(simd: S, of: impl Fn(usize) -> PackedTriangle<'a>) -> Self {
         let columns = in_columns(
             #[inline(always)]
             |n| of(n).reach_source(),
