@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use curvetri::mesh::{LoadOptions, Topology, load};
+use curvetri::mesh::{Loader, Topology};
 
 #[test]
 fn every_mesh_loads_or_is_refused_by_name() {
@@ -18,7 +18,7 @@ fn every_mesh_loads_or_is_refused_by_name() {
         folder.display()
     );
     for path in files {
-        match load(&path, &LoadOptions::default()) {
+        match Loader::new().load(&path) {
             Ok(loaded) => {
                 let counts = *Topology::new(&loaded.mesh).counts();
                 println!(

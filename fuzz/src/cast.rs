@@ -8,7 +8,7 @@ use curvetri::embree::{
     Device, Geometry, Hit, LEAST_COMPONENT, QueryOptions, Ray, RayPacket, Scene, SceneBuilder,
     Traced, Width,
 };
-use curvetri::mesh::{LoadOptions, Mesh, NormalsPolicy, RawMesh, Topology};
+use curvetri::mesh::{Mesh, NormalOptions, NormalsPolicy, RawMesh, Topology};
 use curvetri::method::{BoundsKind, Solver, Surface};
 use glam::{DVec3, Vec3};
 
@@ -36,7 +36,7 @@ pub fn cast_rays(data: &[u8]) {
     super::one_thread();
     let mut bytes = Unstructured::new(data);
     let options = Options::read(&mut bytes);
-    let Ok((mesh, _)) = options.raw(&mut bytes).into_mesh(&options.load) else {
+    let Ok((mesh, _)) = options.raw(&mut bytes).into_mesh(&options.normals) else {
         return;
     };
     let mesh = Arc::new(mesh);
@@ -76,7 +76,7 @@ struct Told {
 /// What is asked for, besides the numbers.
 struct Options {
     curved: CurvedOptions,
-    load: LoadOptions,
+    normals: NormalOptions,
     single_precision: bool,
     robust: bool,
     stored: bool,
@@ -122,9 +122,9 @@ impl Options {
                 // Flat triangles stay inside: Embree's own are rounded another way in packets.
                 ..CurvedOptions::default()
             },
-            load: LoadOptions {
-                crease_angle_degrees: byte(bytes).into(),
-                normals: NormalsPolicy::Stored,
+            normals: NormalOptions {
+                policy: NormalsPolicy::Stored,
+                crease_angle_degrees: Some(byte(bytes).into()),
             },
             single_precision: bit(2),
             robust: bit(3),

@@ -4,7 +4,7 @@ use std::alloc::System;
 use std::sync::Once;
 
 use cap::Cap;
-use curvetri::mesh::{LoadOptions, Mesh, Scenery, load_bytes};
+use curvetri::mesh::{Loader, Mesh, Scenery};
 
 mod cast;
 
@@ -38,7 +38,7 @@ pub fn load_within(file: &[u8], length: usize) {
     MEMORY
         .set_limit(MEMORY.allocated() + TIMES * length + ANY)
         .expect("the limit is above what is in use");
-    let loaded = load_bytes(file, NAME, &LoadOptions::default());
+    let loaded = Loader::new().load_bytes(file, NAME);
     MEMORY.set_limit(usize::MAX).expect("no limit");
     match loaded {
         Err(error) => assert_names_place(&error.to_string()),

@@ -155,11 +155,11 @@ fn tell(advice: &mut Vec<String>, count: u64, what: &str, then: &str) {
 #[cfg(test)]
 mod tests {
     use crate::curved::{CurvedOptions, Inspection};
-    use crate::mesh::{LoadOptions, load_bytes};
+    use crate::mesh::Loader;
 
     fn advice(text: &str) -> String {
         let bytes = text.as_bytes().to_vec();
-        let loaded = load_bytes(bytes, "x.obj", &LoadOptions::default()).unwrap();
+        let loaded = Loader::new().load_bytes(bytes, "x.obj").unwrap();
         let advice = Inspection::new(loaded, &CurvedOptions::default()).advice();
         advice.join("\n")
     }

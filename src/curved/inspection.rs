@@ -204,11 +204,11 @@ fn greatest_height(patch: &Patch<f32>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{LoadOptions, load_bytes};
+    use crate::mesh::Loader;
 
     fn inspected(text: &str) -> Inspection {
         let bytes = text.as_bytes().to_vec();
-        let loaded = load_bytes(bytes, "x.obj", &LoadOptions::default()).unwrap();
+        let loaded = Loader::new().load_bytes(bytes, "x.obj").unwrap();
         Inspection::new(loaded, &CurvedOptions::default())
     }
 

@@ -142,7 +142,7 @@ fn flags_of(topology: &Topology, triangle: usize, options: &CurvedOptions) -> Pa
     if options.unchecked {
         return none.with_unchecked();
     }
-    let sides = topology.sides(triangle);
+    let sides = topology.edges(triangle);
     (0..3).fold(none, |flags, k| {
         if sides[k].is_straight() {
             flags.with_straight(k)

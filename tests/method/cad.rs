@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use curvetri::curved::{CurvedMesh, CurvedOptions};
-use curvetri::mesh::{LoadOptions, Mesh, NormalsPolicy, RawMesh};
+use curvetri::mesh::{Mesh, NormalOptions, NormalsPolicy, RawMesh};
 use curvetri::method::Surface;
 use curvetri_bodies::SplitMix;
 use curvetri_test_support::Body;
@@ -49,9 +49,9 @@ fn without_hard_edges(mesh: &Mesh) -> Mesh {
         corners: mesh.triangles().to_vec(),
         ..RawMesh::default()
     };
-    let options = LoadOptions {
-        crease_angle_degrees: 180.0,
-        normals: NormalsPolicy::Smooth,
+    let options = NormalOptions {
+        policy: NormalsPolicy::Smooth,
+        crease_angle_degrees: Some(180.0),
     };
     raw.into_mesh(&options).unwrap().0
 }

@@ -1,6 +1,6 @@
 //! Smooth means smooth: the normals of neighbours agree along the side they share.
 
-use curvetri::mesh::{SideKind, Topology};
+use curvetri::mesh::{EdgeKind, Topology};
 use curvetri::method::Surface;
 use curvetri_test_support::{Body, Traced};
 use glam::Vec3;
@@ -13,7 +13,7 @@ fn jumps(body: &Body, traced: &Traced) -> Vec<f32> {
         let neighbours = topology.neighbours(triangle);
         for (k, neighbour) in neighbours.into_iter().enumerate() {
             let neighbour = neighbour as usize;
-            if topology.side(triangle, k) != SideKind::Smooth || neighbour < triangle {
+            if topology.edge(triangle, k) != EdgeKind::Smooth || neighbour < triangle {
                 continue;
             }
             let Some(back) =
@@ -24,7 +24,7 @@ fn jumps(body: &Body, traced: &Traced) -> Vec<f32> {
             for along in [0.1, 0.3, 0.5, 0.7, 0.9] {
                 let here = side_normal(traced, triangle, k, along);
                 let there = side_normal(traced, neighbour, back, 1.0 - along);
-                let hard = |t: usize| (0..3).any(|k| topology.side(t, k) == SideKind::Hard);
+                let hard = |t: usize| (0..3).any(|k| topology.edge(t, k) == EdgeKind::Hard);
                 let j = here
                     .cross(there)
                     .length()

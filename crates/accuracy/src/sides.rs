@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::probe::{Probe, angle};
 use super::sampling::{self, on_side};
-use curvetri::mesh::{Mesh, SideKind, Topology};
+use curvetri::mesh::{EdgeKind, Mesh, Topology};
 use curvetri_bodies::Body;
 
 /// A side that two triangles share: the triangles and the side's number in each.
@@ -49,7 +49,7 @@ fn shared_sides(mesh: &Mesh) -> Vec<Shared> {
     for t in 0..mesh.triangles().len() {
         for k in 0..3 {
             let other = topology.neighbours(t)[k] as usize;
-            if topology.side(t, k) != SideKind::Smooth || other <= t {
+            if topology.edge(t, k) != EdgeKind::Smooth || other <= t {
                 continue;
             }
             let [from, to] = ends(mesh, t, k);

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::{DVec3, IVec3};
 
 use super::splitmix::SplitMix;
-use curvetri_mesh::{LoadOptions, Mesh, RawMesh};
+use curvetri_mesh::{Mesh, NormalOptions, RawMesh};
 
 /// Half the edge of the cube in which the blob lies.
 const REACH: f64 = 1.6;
@@ -64,7 +64,7 @@ impl Blob {
     #[must_use]
     pub fn mesh(&self) -> Mesh {
         self.raw()
-            .into_mesh(&LoadOptions::default())
+            .into_mesh(&NormalOptions::default())
             .expect("a blob is a mesh")
             .0
     }

@@ -25,7 +25,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use curvetri_mesh::{LoadOptions, load, obj_text};
+    use curvetri_mesh::{Loader, obj_text};
 
     #[test]
     fn the_committed_files_are_what_the_program_writes() {
@@ -36,7 +36,7 @@ mod tests {
                 committed == obj_text(&mesh),
                 "{name} is old: run `cargo run --bin make_scenes`"
             );
-            let read = load(folder.join(name), &LoadOptions::default()).unwrap();
+            let read = Loader::new().load(folder.join(name)).unwrap();
             assert_eq!(read.mesh.triangles().len(), mesh.triangles().len());
             assert_eq!(read.report.normals.made, 0);
         }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::Args;
-use curvetri::mesh::{LoadOptions, load};
+use curvetri::mesh::Loader;
 use curvetri::render::OutputFile;
 use curvetri_bench::{
     Clock, Goal, Machine, MeshReport, NamedForm, Options, RayKind, Subject, TorusBytes, Way,
@@ -151,7 +151,7 @@ fn read(path: &Path) -> Result<Subject> {
     let name = path.file_stem().unwrap_or(path.as_os_str());
     Ok(Subject {
         name: name.to_string_lossy().into_owned(),
-        mesh: load(path, &LoadOptions::default())?.mesh,
+        mesh: Loader::new().load(path)?.mesh,
         truth: None,
     })
 }

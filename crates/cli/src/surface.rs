@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use curvetri::curved::{CurvedOptions, FlatTriangles, Primitives};
-use curvetri::mesh::{self, LoadOptions, Loaded, Mesh, NormalsPolicy, Parts, Scenery};
+use curvetri::mesh::{Loaded, Loader, Mesh, NormalsPolicy, Parts, Scenery};
 use curvetri::method::{BoundsKind, Solver, Surface};
 use curvetri::render::Form;
 
@@ -230,8 +230,8 @@ impl SurfaceArgs {
         let (mut parts, mut scenery) = (Parts::default(), Scenery::default());
         for path in paths {
             let bar = console.progress("reading", 1000);
-            let told = |share| bar.set_position((1000.0 * share) as u64);
-            let loaded = mesh::load_parts(path, &self.load_options(), &told)?;
+            let report = |share| bar.set_position((1000.0 * share) as u64);
+            let loaded = self.loader().progress(&report).load_parts(path)?;
             bar.finish_and_clear();
             for mesh in &loaded.parts.meshes {
                 Self::note(path, mesh, console);
@@ -248,22 +248,22 @@ impl SurfaceArgs {
     /// Reads a mesh, with what was odd about it.
     pub fn read(&self, path: &Path, console: &Console) -> Result<Loaded> {
         let bar = console.progress("reading", 1000);
-        let told = |share| bar.set_position((1000.0 * share) as u64);
-        let loaded = mesh::load_watched(path, &self.load_options(), &told)?;
+        let report = |share| bar.set_position((1000.0 * share) as u64);
+        let loaded = self.loader().progress(&report).load(path)?;
         bar.finish_and_clear();
         Self::note(path, &loaded.mesh, console);
         Ok(loaded)
     }
 
-    fn load_options(&self) -> LoadOptions {
-        LoadOptions {
-            crease_angle_degrees: self.crease_angle,
-            normals: match self.normals {
-                NormalsChoice::Stored => NormalsPolicy::Stored,
-                NormalsChoice::Smooth => NormalsPolicy::Smooth,
-                NormalsChoice::Auto => NormalsPolicy::Auto,
-            },
-        }
+    fn loader(&self) -> Loader<'_> {
+        let policy = match self.normals {
+            NormalsChoice::Stored => NormalsPolicy::Stored,
+            NormalsChoice::Smooth => NormalsPolicy::Smooth,
+            NormalsChoice::Auto => NormalsPolicy::Auto,
+        };
+        Loader::new()
+            .normals(policy)
+            .crease_angle_degrees(self.crease_angle)
     }
 
     fn note(path: &Path, mesh: &Mesh, console: &Console) {

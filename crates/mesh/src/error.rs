@@ -93,7 +93,7 @@ pub enum MeshError {
 }
 
 /// Refuses more index values or vertices than a mesh may have.
-pub(super) fn check_sizes(indices: u64, vertices: u64) -> Result<(), MeshError> {
+pub(crate) fn check_sizes(indices: u64, vertices: u64) -> Result<(), MeshError> {
     if indices > MAX_INDICES {
         return Err(MeshError::TooManyIndices { indices });
     }
@@ -108,7 +108,7 @@ pub(super) fn check_sizes(indices: u64, vertices: u64) -> Result<(), MeshError> 
 #[non_exhaustive]
 pub enum LoadError {
     /// The file cannot be read.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
@@ -132,6 +132,8 @@ pub enum LoadError {
         line: usize,
         /// What is wrong with it.
         what: String,
+        /// The error behind it, if there is one.
+        source: Option<Cause>,
     },
     /// Something in a file without lines is wrong, or the file as a whole.
     #[error("{}: {what}", path.display())]
@@ -140,9 +142,11 @@ pub enum LoadError {
         path: PathBuf,
         /// The element and what is wrong with it.
         what: String,
+        /// The error behind it, if there is one.
+        source: Option<Cause>,
     },
-    /// The file's content as a whole is no mesh.
-    #[error("{}: {source}", path.display())]
+    /// What the file says is no mesh.
+    #[error("{}: no mesh can be made of it", path.display())]
     Mesh {
         /// The file.
         path: PathBuf,
@@ -151,27 +155,67 @@ pub enum LoadError {
     },
 }
 
+/// An error of a library that a reader uses.
+pub(crate) type Cause = Box<dyn std::error::Error + Send + Sync>;
+
 /// What a reader finds wrong, not yet with the file's name.
-#[derive(Debug, PartialEq)]
-pub(super) enum Fault {
+#[derive(Debug)]
+pub(crate) enum Fault {
     /// A line, counted from 1.
     Line(usize, String),
     /// An element, or the whole.
     Content(String),
+    /// A line, or the whole, where a library's error tells more.
+    Caused {
+        line: Option<usize>,
+        what: String,
+        source: Cause,
+    },
     /// What the file says is no mesh.
     Mesh(MeshError),
 }
 
 impl Fault {
     /// The error for the file of this name.
-    pub(super) fn of(self, path: &Path) -> LoadError {
+    pub(crate) fn of(self, path: &Path) -> LoadError {
         let path = path.into();
         match self {
-            Fault::Line(line, what) => LoadError::Line { path, line, what },
-            Fault::Content(what) => LoadError::Content { path, what },
+            Fault::Line(line, what) => LoadError::line(path, line, what, None),
+            Fault::Content(what) => LoadError::content(path, what, None),
+            Fault::Caused { line, what, source } => match line {
+                Some(line) => LoadError::line(path, line, what, Some(source)),
+                None => LoadError::content(path, what, Some(source)),
+            },
             Fault::Mesh(source) => LoadError::Mesh { path, source },
         }
     }
+}
+
+impl LoadError {
+    fn line(path: PathBuf, line: usize, what: String, source: Option<Cause>) -> LoadError {
+        LoadError::Line {
+            path,
+            line,
+            what,
+            source,
+        }
+    }
+
+    fn content(path: PathBuf, what: String, source: Option<Cause>) -> LoadError {
+        LoadError::Content { path, what, source }
+    }
+}
+
+/// The texts of an error and its causes, as the command line prints them.
+#[cfg(test)]
+pub(crate) fn chain(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut source = error.source();
+    while let Some(cause) = source {
+        text = format!("{text}: {cause}");
+        source = cause.source();
+    }
+    text
 }
 
 impl From<MeshError> for Fault {

@@ -2,9 +2,11 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::error::{Fault, MAX_INDICES};
-use super::parts::Placement;
-use super::{Bounds, MeshError, NO_NORMAL, RawMesh};
+use crate::bounds::Bounds;
+use crate::error::{Fault, MAX_INDICES, MeshError};
+use crate::instances::Placement;
+use crate::normals::NO_NORMAL;
+use crate::raw_mesh::RawMesh;
 
 /// The most triangles that copies of the same meshes may add up to.
 const MAX_FLATTENED: u64 = 50_000_000;
@@ -17,9 +19,9 @@ const FURTHEST: f64 = 1e11;
 
 /// Meshes and where they are put.
 #[derive(Debug, Default)]
-pub(super) struct Model {
+pub(crate) struct Model {
     pub parts: Vec<RawMesh>,
-    pub uses: Vec<Placement>,
+    pub placements: Vec<Placement>,
 }
 
 impl From<RawMesh> for Model {
@@ -27,28 +29,29 @@ impl From<RawMesh> for Model {
     fn from(raw: RawMesh) -> Model {
         Model {
             parts: vec![raw],
-            uses: vec![Placement::in_place(0)],
+            placements: vec![Placement::in_place(0)],
         }
     }
 }
 
 impl Model {
-    /// Puts all uses of all meshes into one, in the user's space.
+    /// Puts all placements of all meshes into one, in the user's space.
     pub fn flatten(mut self) -> Result<RawMesh, Fault> {
-        if let [only] = self.uses[..]
+        if let [only] = self.placements[..]
             && only.to_user == DAffine3::IDENTITY
         {
             return Ok(self.parts.swap_remove(only.part));
         }
-        flattened(&self.parts, &self.uses)
+        flattened(&self.parts, &self.placements)
     }
 
     /// Puts what is used once into one part, in the user's space, the first; what is used more often
-    /// stays apart, but for uses whose transform no instance can have.
+    /// stays apart, but for placements whose transform no instance can have.
     pub fn split(mut self) -> Result<Model, Fault> {
-        self.uses.retain(|u| !self.parts[u.part].corners.is_empty());
+        self.placements
+            .retain(|u| !self.parts[u.part].corners.is_empty());
         let mut counts = vec![0_usize; self.parts.len()];
-        self.uses.iter().for_each(|u| counts[u.part] += 1);
+        self.placements.iter().for_each(|u| counts[u.part] += 1);
         let boxes: Vec<_> = (self.parts.iter().zip(&counts))
             .map(|(part, &count)| {
                 (count > 1).then(|| Bounds::around(part.positions.iter().copied()))
@@ -56,9 +59,9 @@ impl Model {
             .collect();
         let fits = |u: &Placement| boxes[u.part].is_some_and(|b| can_be_instance(&u.to_user, b));
         let mut apart = vec![0_usize; self.parts.len()];
-        (self.uses.iter().filter(|u| fits(u))).for_each(|u| apart[u.part] += 1);
+        (self.placements.iter().filter(|u| fits(u))).for_each(|u| apart[u.part] += 1);
         let (mut instances, rest): (Vec<_>, Vec<_>) =
-            (self.uses.iter()).partition(|u| apart[u.part] > 1 && fits(u));
+            (self.placements.iter()).partition(|u| apart[u.part] > 1 && fits(u));
         if instances.is_empty() {
             return Ok(self.flatten()?.into());
         }
@@ -76,7 +79,7 @@ impl Model {
         for instance in &mut instances {
             instance.part = new_number[instance.part];
         }
-        split.uses.append(&mut instances);
+        split.placements.append(&mut instances);
         Ok(split)
     }
 }
@@ -93,10 +96,10 @@ fn can_be_instance(to_user: &DAffine3, bounds: Bounds) -> bool {
         && corners.all(|p| near(p) && near(to_user.transform_point3(p)))
 }
 
-/// Some uses of parts as one mesh.
-fn flattened(parts: &[RawMesh], uses: &[Placement]) -> Result<RawMesh, Fault> {
+/// Some placements of parts as one mesh.
+fn flattened(parts: &[RawMesh], placements: &[Placement]) -> Result<RawMesh, Fault> {
     let size = |part: usize| parts[part].corners.len() as u64;
-    let total: u64 = uses.iter().map(|u| size(u.part)).sum();
+    let total: u64 = placements.iter().map(|u| size(u.part)).sum();
     let own: u64 = (0..parts.len()).map(size).sum();
     if 3 * total > MAX_INDICES {
         return Err(MeshError::TooManyIndices { indices: 3 * total }.into());
@@ -109,7 +112,7 @@ fn flattened(parts: &[RawMesh], uses: &[Placement]) -> Result<RawMesh, Fault> {
     }
     let mut raw = RawMesh::default();
     let mut normal_corners = Vec::new();
-    for one in uses {
+    for one in placements {
         let part = &parts[one.part];
         let vertices = raw.positions.len() + part.positions.len();
         if u32::try_from(vertices.max(raw.normals.len() + part.normals.len())).is_err() {
@@ -185,10 +188,10 @@ mod tests {
         }
     }
 
-    fn model(uses: &[(usize, DAffine3)]) -> Model {
+    fn model(placements: &[(usize, DAffine3)]) -> Model {
         Model {
             parts: vec![part(1000), part(10), part(0), part(7)],
-            uses: (uses.iter())
+            placements: (placements.iter())
                 .map(|&(part, to_user)| Placement { part, to_user })
                 .collect(),
         }
@@ -216,12 +219,12 @@ mod tests {
             Err(Fault::Mesh(MeshError::TooManyIndices { .. }))
         ));
         let split = copies(1_000_000).split().unwrap();
-        assert_eq!((split.parts.len(), split.uses.len()), (1, 1_000_000));
+        assert_eq!((split.parts.len(), split.placements.len()), (1, 1_000_000));
     }
 
     #[test]
     fn what_is_used_once_becomes_one_part_and_what_is_used_often_stays_apart() {
-        let uses = [
+        let placements = [
             (3, moved(1.0)),
             (2, moved(9.0)),
             (1, moved(2.0)),
@@ -229,20 +232,24 @@ mod tests {
             (0, moved(4.0)),
             (2, moved(9.0)),
         ];
-        let split = model(&uses).split().unwrap();
+        let split = model(&placements).split().unwrap();
         let sizes: Vec<_> = split.parts.iter().map(|p| p.corners.len()).collect();
         assert_eq!(sizes, [1010, 7]);
         assert_eq!(split.parts[0].positions[0], 2.0 * DVec3::X, "in file order");
-        let uses: Vec<_> = split.uses.iter().map(|u| (u.part, u.to_user)).collect();
+        let placements: Vec<_> = split
+            .placements
+            .iter()
+            .map(|u| (u.part, u.to_user))
+            .collect();
         let [a, b] = [moved(1.0), moved(3.0)];
-        assert_eq!(uses, [(0, DAffine3::IDENTITY), (1, a), (1, b)]);
+        assert_eq!(placements, [(0, DAffine3::IDENTITY), (1, a), (1, b)]);
     }
 
     #[test]
-    fn uses_all_once_are_one_part_as_flattened() {
+    fn placements_all_once_are_one_part_as_flattened() {
         let model = || model(&[(0, moved(1.0)), (1, DAffine3::from_scale(-DVec3::ONE))]);
         let split = model().split().unwrap();
-        assert_eq!(split.uses, [Placement::in_place(0)]);
+        assert_eq!(split.placements, [Placement::in_place(0)]);
         assert_eq!(split.parts, [model().flatten().unwrap()]);
     }
 
@@ -257,20 +264,20 @@ mod tests {
             moved(1e12),
             moved(f64::NAN),
         ];
-        let mut uses = vec![(3, moved(1.0)), (3, scaled(-2.0, 0.01, 5.0))];
-        uses.extend(odd.map(|to_user| (3, to_user)));
-        let split = model(&uses).split().unwrap();
-        assert_eq!(split.uses.len(), 3);
+        let mut placements = vec![(3, moved(1.0)), (3, scaled(-2.0, 0.01, 5.0))];
+        placements.extend(odd.map(|to_user| (3, to_user)));
+        let split = model(&placements).split().unwrap();
+        assert_eq!(split.placements.len(), 3);
         assert_eq!(split.parts[0].corners.len(), 7 * odd.len());
         // With one proper use left there is nothing to share.
-        let split = model(&uses[1..]).split().unwrap();
-        assert_eq!(split.uses, [Placement::in_place(0)]);
+        let split = model(&placements[1..]).split().unwrap();
+        assert_eq!(split.placements, [Placement::in_place(0)]);
     }
 
     #[test]
     fn a_file_without_triangles_is_one_empty_part() {
-        for uses in [&[(2, moved(0.0))][..], &[]] {
-            let split = model(uses).split().unwrap();
+        for placements in [&[(2, moved(0.0))][..], &[]] {
+            let split = model(placements).split().unwrap();
             assert_eq!(split.parts, [RawMesh::default()]);
         }
     }

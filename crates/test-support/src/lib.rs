@@ -9,7 +9,7 @@ use curvetri::curved::{CurvedMesh, CurvedOptions, FlatTriangles};
 use curvetri::embree::{
     Device, GeometryBuilder, QueryOptions, Ray, RayPacket, Scene, SceneBuilder,
 };
-use curvetri::mesh::{LoadOptions, Mesh, Topology, load};
+use curvetri::mesh::{Loader, Mesh, Topology};
 use curvetri::method::{Solver, Surface};
 use curvetri_bodies::{Blob, SplitMix};
 use glam::Vec3;
@@ -94,7 +94,7 @@ pub fn real_meshes(names: &[&str]) -> Vec<Body> {
     for &name in names {
         let path = folder.join(name);
         if path.exists() {
-            let mesh = Arc::new(load(&path, &LoadOptions::default()).unwrap().mesh);
+            let mesh = Arc::new(Loader::new().load(&path).unwrap().mesh);
             bodies.push(Body {
                 name: name.to_owned(),
                 mesh,
@@ -177,7 +177,7 @@ pub fn all_closed_bodies() -> Vec<Body> {
         return bodies;
     };
     for path in mesh_files(&folder) {
-        let Ok(loaded) = load(&path, &LoadOptions::default()) else {
+        let Ok(loaded) = Loader::new().load(&path) else {
             continue;
         };
         if Topology::new(&loaded.mesh).counts().is_closed() {

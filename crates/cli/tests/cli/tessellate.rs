@@ -1,14 +1,14 @@
 //! `curvetri tessellate` as a whole program.
 
 use crate::program::Workshop;
-use curvetri::mesh::{LoadOptions, Topology, load};
+use curvetri::mesh::{Loader, Topology};
 
 #[test]
 fn a_ball_of_four_triangles_becomes_round() {
     let shop = Workshop::new();
     let (ball, fine) = (shop.sphere("ball.obj"), shop.path("fine.obj"));
     shop.succeeds(&["tessellate", &ball, "--level", "6", "-o", &fine]);
-    let mesh = load(&fine, &LoadOptions::default()).unwrap().mesh;
+    let mesh = Loader::new().load(&fine).unwrap().mesh;
     assert_eq!(mesh.triangles().len(), 4 * 36);
     assert!(Topology::new(&mesh).counts().is_closed());
     for (p, n) in mesh.positions().iter().zip(mesh.normals()) {

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use curvetri::curved::CurvedOptions;
 use curvetri::embree::Device;
-use curvetri::mesh::{LoadOptions, Mesh, load};
+use curvetri::mesh::{Loader, Mesh};
 use curvetri::method::Surface;
 use curvetri::render::{Form, PacketWidth, Scene, UserRay, UserRays, answer_rays};
 use curvetri_bodies::SplitMix;
@@ -47,7 +47,7 @@ fn write(file: &Path) -> Result<ExitCode, Box<dyn Error>> {
     names.sort();
     let mut words = Vec::new();
     for path in names {
-        let mesh = load(&path, &LoadOptions::default())?.mesh;
+        let mesh = Loader::new().load(&path)?.mesh;
         let rays = rays(&mesh);
         for surface in Surface::ALL {
             let options = CurvedOptions {

@@ -3,7 +3,7 @@
 
 use curvetri_bodies::SplitMix;
 use curvetri_fuzz_seeds::{self as seeds, Seed};
-use curvetri_mesh::{LoadError, LoadOptions, Loaded, load_bytes};
+use curvetri_mesh::{LoadError, Loaded, Loader};
 
 /// How many bytes are changed at once, and how often in each file.
 const FLIPS: [usize; 3] = [1, 3, 20];
@@ -12,7 +12,7 @@ const TIMES: usize = 100;
 const CUTS: usize = 100;
 
 fn load(bytes: Vec<u8>, format: &str) -> Result<Loaded, LoadError> {
-    load_bytes(bytes, format!("seed.{format}"), &LoadOptions::default())
+    Loader::new().load_bytes(bytes, format!("seed.{format}"))
 }
 
 /// Loads a file in whatever state; whether it could be read.

@@ -1,0 +1,176 @@
+//! Meshes apart from where they are used.
+
+use glam::{DAffine3, Vec3};
+
+use crate::bounds::Bounds;
+use crate::mesh::Mesh;
+
+/// Meshes, each once, and all their uses.
+#[derive(Debug, Clone, Default)]
+pub struct Parts {
+    /// The meshes, each in a space of its own.
+    pub meshes: Vec<Mesh>,
+    /// Where they are used.
+    pub placements: Vec<Placement>,
+}
+
+/// One use of a mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placement {
+    /// The mesh's number among the parts.
+    pub part: usize,
+    /// From the mesh's space ([`Mesh::origin`] taken into account) to the user's. It may mirror: a
+    /// triangle's front stays its front.
+    pub to_user: DAffine3,
+}
+
+impl Placement {
+    /// A part that is in the user's space as it is.
+    pub fn in_place(part: usize) -> Placement {
+        Placement {
+            part,
+            to_user: DAffine3::IDENTITY,
+        }
+    }
+
+    /// Whether the part is in the user's space as it is.
+    pub fn is_in_place(&self) -> bool {
+        self.to_user == DAffine3::IDENTITY
+    }
+
+    /// A box around where a box is put.
+    fn box_of(&self, own: &Bounds) -> Bounds {
+        if self.is_in_place() {
+            return *own;
+        }
+        let corners = own.corners().into_iter();
+        Bounds::around(corners.map(|p| self.to_user.transform_point3(p)))
+    }
+
+    /// The bounds of a mesh's vertices where they are put.
+    fn bounds_of(&self, mesh: &Mesh) -> Bounds {
+        if self.is_in_place() {
+            return mesh.bounds();
+        }
+        let place = |p: &Vec3| self.to_user.transform_point3(mesh.origin() + p.as_dvec3());
+        Bounds::around(mesh.positions().iter().map(place))
+    }
+}
+
+impl Parts {
+    /// Puts other parts behind these.
+    pub fn append(&mut self, other: Parts) {
+        let first = self.meshes.len();
+        self.meshes.extend(other.meshes);
+        let placements = other.placements.into_iter().map(|placement| Placement {
+            part: first + placement.part,
+            ..placement
+        });
+        self.placements.extend(placements);
+    }
+
+    /// Triangles of all uses.
+    pub fn triangles(&self) -> usize {
+        let of = |placement: &Placement| self.meshes[placement.part].triangles().len();
+        self.placements.iter().map(of).sum()
+    }
+
+    /// The bounds of all vertices where they are put, in the user's space; `None` if none is put
+    /// anywhere.
+    pub fn bounds(&self) -> Option<Bounds> {
+        Some(self.extent()?.0)
+    }
+
+    /// The bounds, and the placements' numbers, those furthest from the middle first.
+    pub fn extent(&self) -> Option<(Bounds, Vec<u32>)> {
+        let own: Vec<Bounds> = self.meshes.iter().map(Mesh::bounds).collect();
+        let boxes: Vec<Bounds> = (self.placements.iter())
+            .map(|placement| placement.box_of(&own[placement.part]))
+            .collect();
+        let middle = boxes.iter().copied().reduce(Bounds::union)?.centre();
+        let away = |n: u32| boxes[n as usize].centre().distance_squared(middle);
+        let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+        order.sort_by(|&a, &b| away(b).total_cmp(&away(a)));
+        let mut bounds = Bounds::around([]);
+        for &n in &order {
+            let (placement, around) = (&self.placements[n as usize], boxes[n as usize]);
+            // Most are within the outermost ones' bounds, so that their vertices do not matter.
+            if bounds.union(around) != bounds {
+                bounds = bounds.union(placement.bounds_of(&self.meshes[placement.part]));
+            }
+        }
+        Some((bounds, order))
+    }
+}
+
+impl From<Vec<Mesh>> for Parts {
+    /// Meshes in the user's space, each used once.
+    fn from(meshes: Vec<Mesh>) -> Parts {
+        Parts {
+            placements: (0..meshes.len()).map(Placement::in_place).collect(),
+            meshes,
+        }
+    }
+}
+
+impl From<Mesh> for Parts {
+    /// A mesh in the user's space.
+    fn from(mesh: Mesh) -> Parts {
+        vec![mesh].into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn appended_parts_keep_their_meshes() {
+        let mesh = |size: f64| {
+            let positions = vec![DVec3::ZERO, size * DVec3::X, size * DVec3::Y];
+            Mesh::new(positions, None, vec![[0, 1, 2]]).unwrap()
+        };
+        let mut parts = Parts::from(vec![mesh(1.0), mesh(2.0)]);
+        let mut other = Parts::from(mesh(3.0));
+        other.placements.push(Placement {
+            part: 0,
+            to_user: DAffine3::from_scale(DVec3::NEG_ONE),
+        });
+        parts.append(other);
+        let of: Vec<_> = (parts.placements.iter())
+            .map(|p| (parts.meshes[p.part].positions()[1].x, p.is_in_place()))
+            .collect();
+        assert_eq!(parts.triangles(), 4);
+        assert_eq!(of, [(1.0, true), (2.0, true), (3.0, true), (3.0, false)]);
+    }
+
+    #[test]
+    fn bounds_are_of_vertices_where_they_are_put() {
+        let positions = vec![DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0), DVec3::Z];
+        let mut parts = Parts::from(Mesh::new(positions, None, vec![[0, 1, 2]]).unwrap());
+        // An eighth of a turn puts the second vertex on the y axis, within the box's turned corners.
+        let turn = DAffine3::from_rotation_z(std::f64::consts::FRAC_PI_4);
+        let moved = DAffine3::from_translation(1e6 * DVec3::X);
+        parts.placements = vec![
+            Placement {
+                part: 0,
+                to_user: moved * turn,
+            },
+            Placement {
+                part: 0,
+                to_user: DAffine3::from_translation(-0.5 * DVec3::X),
+            },
+        ];
+        let Bounds { min, max } = parts.bounds().unwrap();
+        assert!(min.distance(DVec3::new(-0.5, 0.0, 0.0)) < 1e-9, "{min}");
+        assert!(
+            max.distance(DVec3::new(1e6, 2_f64.sqrt(), 1.0)) < 1e-9,
+            "{max}"
+        );
+        assert_eq!(parts.extent().unwrap().1.len(), 2);
+        parts.placements.clear();
+        assert_eq!(parts.bounds(), None);
+    }
+}

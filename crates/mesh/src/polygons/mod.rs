@@ -1,0 +1,7 @@
+//! Polygons, cut into triangles.
+
+mod crossing;
+mod cutter;
+mod faces;
+
+pub(crate) use faces::Faces;
