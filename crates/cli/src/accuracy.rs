@@ -15,32 +15,33 @@ const GOALS: [f64; 2] = [1e-3, 1e-4];
 
 /// Measure the surfaces on bodies whose true surface is known
 ///
-/// The paper's Table 1 again: the greatest and the mean distance along the guide from the surface to
-/// the true one, over the body's largest diameter; the mean angle of the geometric normal to the true
-/// one; and its mean jump across sides. All triangles are curved, also those that are too coarse for
-/// other commands to curve; the table counts them.
+/// Repeats the paper's Table 1. For each body it gives the greatest and the mean distance from the
+/// surface to the true one, along the guide, as a share of the body's largest diameter; the mean angle
+/// between the geometric normal and the true one; and the mean jump of the normal across edges. All
+/// triangles are curved, also those that are too coarse for other commands to curve. The table counts
+/// these.
 #[derive(Args)]
 pub struct AccuracyArgs {
-    /// Print JSON
+    /// Print the figures as JSON
     #[arg(long)]
     json: bool,
 
-    /// Measure by rays through Embree, in single precision, instead of by the formulas in double
+    /// Measure with rays through Embree, in single precision, instead of with the formulas in double
     /// precision
     #[arg(long, conflicts_with = "peers")]
     traced: bool,
 
-    /// Measure other methods' curved triangles as well, and tell how fast all of them get better on
-    /// finer tori and how many triangles they need for an error of 1e-3 and 1e-4
+    /// Measure PN triangles, Phong tessellation and Nagata patches as well. Show how fast each gets
+    /// better on finer tori, and how many triangles it needs for an error of 1e-3 and of 1e-4
     #[arg(long)]
     peers: bool,
 
-    /// Points a body; each triangle gets 8 at the least
+    /// Points on each body; each triangle gets at least 8
     #[arg(long, value_name = "N", default_value_t = Options::default().samples,
           value_parser = values::samples)]
     samples: usize,
 
-    /// Chooses where the points lie
+    /// Seed of the positions of the points
     #[arg(long, value_name = "N", default_value_t = Options::default().seed)]
     seed: u64,
 

@@ -18,39 +18,39 @@ use super::{usage, values};
 /// Sizes of the torus if neither meshes nor sizes are given.
 const SIZES: [usize; 3] = [10_000, 100_000, 1_000_000];
 
-/// Measure how fast curved triangles are against flat ones
+/// Measure the speed and memory of curved triangles against flat ones
 ///
-/// Traces each mesh in many forms, in one run and on the same rays: Embree's flat triangles, the
-/// baseline; curved triangles by every surface and root finder; the curved surface cut into flat
-/// triangles and into Embree's grids; and Embree's subdivision surface. Every form is traced in rounds
-/// with the baseline in between; ratios are medians over the rounds, and flat is taken at its best of
-/// widths and flags. Vertices and triangles are shuffled first.
+/// Traces each mesh in many forms, in one run and with the same rays: Embree's flat triangles, which
+/// are the baseline; curved triangles with each surface and root finder; the curved surface cut into
+/// flat triangles and into Embree's grids; and Embree's subdivision surface. Each form takes turns with
+/// the baseline, and ratios are medians over the rounds. The baseline uses the packet width and the
+/// flag that are best for it. Vertices and triangles are put into random order first.
 ///
-/// The mesh is a bumpy torus of 10 thousand, 100 thousand and 1 million triangles unless files or sizes
-/// are given.
+/// Without files and sizes the meshes are bumpy tori of 10 thousand, 100 thousand and 1 million
+/// triangles.
 #[derive(Args)]
 pub struct BenchArgs {
     /// Mesh files (OBJ, PLY, STL, OFF, glTF, GLB, also as .gz)
     #[arg(value_name = "MESH")]
     meshes: Vec<PathBuf>,
 
-    /// Measure bumpy tori of about these many triangles, beside the files if there are any
+    /// Measure bumpy tori of about these numbers of triangles, in addition to the files
     #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = values::triangles)]
     triangles: Vec<usize>,
 
-    /// Print JSON
+    /// Print all results as JSON
     #[arg(long)]
     json: bool,
 
-    /// Write the tables as Markdown, with the machine's description
+    /// Write the tables as Markdown, with a description of the machine
     #[arg(long, value_name = "FILE.md")]
     markdown: Option<PathBuf>,
 
-    /// Be done within about a minute: a torus of 10 thousand triangles, fewer forms, rays and rounds
+    /// Take about a minute: a torus of 10 thousand triangles, fewer forms, rays and rounds
     #[arg(long)]
     quick: bool,
 
-    /// Forms to measure beside flat [default: all]
+    /// Forms to measure in addition to flat [default: all]
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
     forms: Vec<String>,
 
@@ -58,16 +58,16 @@ pub struct BenchArgs {
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
     kinds: Vec<String>,
 
-    /// Ways of asking: 1, 4, 8 or 16 rays at a time, with a c behind where they are said to be coherent; the
-    /// baseline is asked in these ways as well [default: all]
+    /// Packet widths: 1, 4, 8 or 16 rays, with a c after it for Embree's coherent flag. They apply to
+    /// the baseline as well [default: all]
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
     ways: Vec<String>,
 
-    /// About how many rays of a kind [default: 262144]
+    /// About how many rays of each kind [default: 262144]
     #[arg(long, value_name = "N", value_parser = values::samples)]
     rays: Option<usize>,
 
-    /// How often each time is taken [default: 5]
+    /// How many rounds [default: 5]
     #[arg(long, value_name = "N", value_parser = values::rounds)]
     rounds: Option<usize>,
 
@@ -75,7 +75,7 @@ pub struct BenchArgs {
     #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = values::threads)]
     threads: Vec<usize>,
 
-    /// Count the time that threads run, not that on the wall: for machines that are busy otherwise
+    /// Count processor time, not wall-clock time: for machines that are busy with other work
     #[arg(long)]
     cpu_time: bool,
 

@@ -134,9 +134,10 @@ pub fn text(report: &Report) -> String {
 
 /// The same as a page of documentation.
 pub fn markdown(report: &Report) -> String {
-    let intro = "# Measured speed and memory\n\nWritten by `curvetri bench --markdown`. Ratios are \
-                 medians of rounds in which the form and Embree's flat triangles, at their best of \
-                 widths and flags, take turns on the same rays.\n";
+    let intro = "# Measured speed and memory\n\nWritten by `curvetri bench --markdown`. A ratio compares \
+                 a form with Embree's flat triangles on the same rays. The two take turns, and the ratio \
+                 is the median over the rounds. Flat triangles use the packet width and the flag that are \
+                 best for them.\n";
     let tables = tables(report);
     std::iter::once(intro.to_owned())
         .chain(tables.iter().map(Table::markdown))
@@ -222,7 +223,7 @@ fn machine_table(report: &Report) -> Table {
     let machine = &report.machine;
     let mut table = Table::new("Machine", &["", ""]);
     table.remark = format!(
-        "{}, {} threads, {:.0} GB, {}\nEmbree {} ({}), curvetri {}\nabout {} rays of a kind, {} rounds, time {}\n",
+        "{}, {} threads, {:.0} GB, {}\nEmbree {} ({}), curvetri {}\nabout {} rays of each kind, {} rounds, {}\n",
         machine.processor,
         machine.threads,
         machine.memory as f64 * 1e-9,
@@ -239,8 +240,8 @@ fn machine_table(report: &Report) -> Table {
 
 fn clock(report: &Report) -> &'static str {
     match report.options.clock {
-        Clock::Wall => "on the wall",
-        Clock::Processor => "that threads run",
+        Clock::Wall => "wall-clock time",
+        Clock::Processor => "processor time",
     }
 }
 
@@ -262,7 +263,7 @@ fn sizes_table(mesh: &MeshReport) -> Table {
         "form",
         "primitives",
         "mesh",
-        "records",
+        "patches",
         "buffers",
         "tree",
         "B/triangle",
@@ -273,7 +274,7 @@ fn sizes_table(mesh: &MeshReport) -> Table {
         "over flat",
     ];
     let heading = format!(
-        "{}: {} triangles ({} stay flat), bytes a triangle and time to build",
+        "{}: {} triangles ({} stay flat), bytes for each triangle, and time to build",
         mesh.name,
         mesh.triangles,
         mesh.kinds.flat()
@@ -315,13 +316,13 @@ fn kinds(mesh: &MeshReport) -> Vec<RayKind> {
         .collect()
 }
 
-/// Speeds at the best way, with the ratio to the baseline.
+/// Speeds at the best packet width, with the ratio to the baseline.
 fn speeds_table(mesh: &MeshReport, threads: usize) -> Table {
     let kinds = kinds(mesh);
     let mut columns = vec!["form"];
     columns.extend(kinds.iter().map(|kind| kind.name()));
     let heading = format!(
-        "{}: Mray/s on {threads} thread{}, each at its best way (ratio to flat)",
+        "{}: Mray/s on {threads} thread{}, each at its best packet width (ratio to flat)",
         mesh.name,
         if threads == 1 { "" } else { "s" }
     );
@@ -336,7 +337,7 @@ fn speeds_table(mesh: &MeshReport, threads: usize) -> Table {
         }));
         table.rows.push(cells);
     }
-    let mut shares = vec!["hits, flat".to_owned()];
+    let mut shares = vec!["share of hits, flat".to_owned()];
     shares.extend(kinds.iter().map(|&kind| {
         let row = mesh.forms[0].best(kind, threads);
         row.map_or_else(String::new, |row| format!("{:.2}", row.hit_share()))
@@ -345,12 +346,12 @@ fn speeds_table(mesh: &MeshReport, threads: usize) -> Table {
     table
 }
 
-/// Every way the main forms were asked in.
+/// Every packet width that the main forms were traced with.
 fn ways_table(mesh: &MeshReport) -> Table {
     let columns = [
-        "form", "rays", "way", "threads", "Mray/s", "spread", "ratio", "spread", "hits",
+        "form", "rays", "packet", "threads", "Mray/s", "spread", "ratio", "spread", "hits",
     ];
-    let heading = format!("{}: every way of asking (width, c for coherent)", mesh.name);
+    let heading = format!("{}: every packet width (c: with the coherent flag)", mesh.name);
     let mut table = Table::new(heading, &columns);
     for form in measured(mesh).filter(|form| [BASELINE, "smooth"].contains(&&*form.name)) {
         for row in &form.rows {
@@ -375,7 +376,7 @@ fn kernel_table(mesh: &MeshReport) -> Table {
     let columns = [
         "form",
         "rays",
-        "way",
+        "packet",
         "callbacks/ray",
         "calls/ray",
         "evaluations/ray",
@@ -439,8 +440,8 @@ fn goals_table(report: &Report) -> Table {
     let torus = &report.torus;
     let _ = writeln!(
         table.remark,
-        "equal error: on the torus of 48 by 64 pieces {:.1e} at the most when curved, {:.1e} when flat: \
-         cut into {} parts a side",
+        "Equal error: on the torus of 48 by 64 pieces the greatest error is {:.1e} curved and {:.1e} flat. \
+         With {} parts per edge flat triangles reach the curved error.",
         torus.errors.greatest[1], torus.errors.greatest[0], torus.parts
     );
     table

@@ -16,18 +16,19 @@ use super::surface::SurfaceArgs;
 use super::values::UpChoice;
 use super::{device, paint, usage, values};
 
-/// Tell what is in a mesh, what the method does with it, and what to do about its problems
+/// Show what is in a mesh, what becomes of its triangles, and what to do about its problems
 #[derive(Args)]
 pub struct InspectArgs {
     /// The mesh file, or - for standard input
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
 
-    /// Print it as JSON
+    /// Print the figures as JSON
     #[arg(long)]
     json: bool,
 
-    /// Paint the triangles' kinds on a picture of the mesh, and print what the colours mean
+    /// Write a picture of the mesh with each kind of triangle in its own colour, and print what the
+    /// colours mean
     #[arg(long, value_name = "FILE.png", value_parser = values::png)]
     image: Option<PathBuf>,
 

@@ -19,15 +19,17 @@ pub struct IntegratorArgs {
     #[arg(long, value_enum, default_value_t = IntegratorChoice::Direct)]
     integrator: IntegratorChoice,
 
-    /// With path: how many surfaces light meets at most on its way [default: 8]
+    /// With path: how many surfaces light may meet on its way [default: 8]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     depth: Option<u32>,
 
-    /// With ao: how far away what hides counts, in the meshes' units [default: any distance]
+    /// With ao: count only what is this close or closer, in the units of the meshes [default: any
+    /// distance]
     #[arg(long, value_name = "DISTANCE", value_parser = values::length)]
     ao_distance: Option<f32>,
 
-    /// With direct: surfaces hide the sky from each other, which makes noise (path always does so)
+    /// With direct: let surfaces hide the sky from each other, which adds noise (with path they always
+    /// do)
     #[arg(long)]
     sky_shadows: bool,
 
@@ -35,22 +37,22 @@ pub struct IntegratorArgs {
     #[arg(long, value_enum, default_value_t = MaterialChoice::Lambert)]
     material: MaterialChoice,
 
-    /// The glass's refractive index [default: 1.5]
+    /// The refractive index of the glass [default: 1.5]
     #[arg(long, value_name = "INDEX", value_parser = values::index)]
     ior: Option<f32>,
 
-    /// Other seeds give other noise; the same one the same picture, whatever the number of threads
+    /// Seed of the noise. The same seed gives the same picture on any number of threads
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum IntegratorChoice {
-    /// What comes straight from sun, area light and sky
+    /// Light straight from the sun, the area light, point lights and the sky
     Direct,
-    /// How open the surroundings are (ambient occlusion), without lights
+    /// Ambient occlusion: how open the surroundings are, without lights
     Ao,
-    /// Light by any way: also from other surfaces and through glass
+    /// Path tracing: also light from other surfaces and through glass
     Path,
 }
 

@@ -13,18 +13,18 @@ use super::{usage, values};
 #[derive(Args)]
 #[command(next_help_heading = "Light and ground")]
 pub struct LightArgs {
-    /// The direction towards the sun [default: that of the files' first directional light, or to the
-    /// upper left, in front]
+    /// The direction towards the sun [default: that of the first directional light in the files,
+    /// else the upper left, in front]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
     sun_direction: Option<DVec3>,
 
-    /// Brightness of the sun, as a factor [default: 1, or 0 where the files have point or spot lights
-    /// and no sun, and no --sun-direction is given]
+    /// Brightness of the sun, as a factor [default: 1; but 0 if the files have point or spot lights
+    /// and no directional light, and no --sun-direction is given]
     #[arg(long, value_name = "FACTOR", value_parser = values::brightness)]
     sun: Option<f32>,
 
-    /// Brightness of the files' point and spot lights, as a factor: at 1 they light the meshes'
-    /// middle, all together, as the sun does; 0 leaves them out
+    /// Brightness of the point and spot lights in the files, as a factor. At 1 they light the middle
+    /// of the meshes, all together, as the sun does. At 0 they are left out
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = values::brightness)]
     file_lights: f32,
 
@@ -32,20 +32,21 @@ pub struct LightArgs {
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = values::brightness)]
     sky: f32,
 
-    /// Contrast of a checkerboard on the sky, 0 to 1; glass shows it, and --show-sky
+    /// Contrast of a checkerboard on the sky, 0 to 1. It is seen through glass and with --show-sky
     #[arg(long, value_name = "SHARE", default_value = "0", value_parser = values::share)]
     sky_checker: f32,
 
-    /// Show the sky where nothing else is, instead of the background
+    /// Show the sky behind the meshes, instead of the background
     #[arg(long)]
     show_sky: bool,
 
-    /// A shining ball: its centre and radius, in the meshes' space. Its shadows are soft; the camera
-    /// does not see it, glass does
+    /// An area light: a shining ball with this centre and radius, in the space of the meshes. Its
+    /// shadows are soft. It is seen through glass, but not by the camera itself
     #[arg(long, value_name = "X,Y,Z,RADIUS", value_parser = values::ball, allow_hyphen_values = true)]
     area_light: Option<(DVec3, f64)>,
 
-    /// Brightness of the area light, as a factor: at 1 it lights the meshes' middle as the sun does
+    /// Brightness of the area light, as a factor. At 1 it lights the middle of the meshes as the sun
+    /// does
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = values::brightness)]
     area_brightness: f32,
 
@@ -53,29 +54,29 @@ pub struct LightArgs {
     #[arg(long, value_name = "SHARE", default_value = "0.7", value_parser = values::share)]
     pub albedo: f32,
 
-    /// What flat triangles are lit by; curved ones have a normal of their own [default: geometric]
+    /// Which normals flat triangles are lit by. Curved ones have their own [default: geometric]
     #[arg(long, value_enum)]
     shading: Option<ShadingChoice>,
 
-    /// Exposure in stops, over the default; for .png
+    /// Exposure in stops, added to the default; for .png
     #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::stops,
         allow_hyphen_values = true)]
     pub exposure: f32,
 
-    /// Put the meshes on a plane that takes their shadows
+    /// Put the meshes on a plane that shows their shadows
     #[arg(long)]
     ground: bool,
 
-    /// Leave the background transparent (.exr always does)
+    /// Make the background transparent (in .exr it always is)
     #[arg(long)]
     transparent: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum ShadingChoice {
-    /// Their own normals
+    /// The normals of the flat triangles themselves
     Geometric,
-    /// The vertices' normals between them: a smooth look, while shadows stay those of flat triangles
+    /// The vertex normals, interpolated: a smooth look, but the shadows of flat triangles
     Interpolated,
 }
 

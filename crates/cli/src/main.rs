@@ -10,6 +10,8 @@ mod inspect;
 mod integrator;
 mod light;
 mod paint;
+#[cfg(test)]
+mod reference;
 mod render;
 mod stats;
 mod surface;
@@ -49,7 +51,7 @@ struct Cli {
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
 
-    /// Say what is being done
+    /// Print what is being done
     #[arg(short, long, global = true)]
     verbose: bool,
 }

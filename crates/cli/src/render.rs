@@ -21,14 +21,15 @@ use super::{console, device, on_threads, stats, usage, values};
 /// The most pixels of a picture: four gigabytes of film.
 const MOST_PIXELS: usize = 1 << 28;
 
-/// Render a picture of meshes: their curved surface, sun with shadows, sky
+/// Render a picture of the curved surface of meshes
 #[derive(Args)]
 pub struct RenderArgs {
     /// Mesh files (OBJ, PLY, STL, OFF, glTF, GLB, also as .gz), or - for standard input
     #[arg(required = true, value_name = "MESH")]
     meshes: Vec<PathBuf>,
 
-    /// The picture: FILE.png, or FILE.exr with depth, normals, positions and triangles' numbers
+    /// The picture: FILE.png, or FILE.exr, which also has depth, normals, positions and triangle
+    /// numbers
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
@@ -44,12 +45,12 @@ pub struct RenderArgs {
     #[arg(long, value_name = "PIXELS", value_parser = values::side)]
     height: Option<usize>,
 
-    /// Render only this part of the picture: column and row of its upper left corner, width and
-    /// height, in pixels
+    /// Render only a part of the picture: the column and the row of its upper left corner, its
+    /// width and its height, in pixels
     #[arg(long, value_name = "X,Y,WxH", value_parser = values::crop)]
     crop: Option<Crop>,
 
-    /// Rays a pixel
+    /// Rays for each pixel
     #[arg(long, visible_alias = "spp", value_name = "N", default_value_t = 16,
         value_parser = clap::value_parser!(u32).range(1..=65_536))]
     samples: u32,
@@ -58,11 +59,11 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = values::threads)]
     threads: Option<usize>,
 
-    /// Print what it took on standard output: triangles by kind, times, memory, rays
+    /// Print statistics on standard output: triangles by kind, times, memory, rays
     #[arg(long)]
     stats: bool,
 
-    /// Print it as JSON (implies --stats)
+    /// Print the statistics as JSON (implies --stats)
     #[arg(long)]
     json: bool,
 

@@ -16,11 +16,11 @@ use super::values::{self, Tolerance};
 #[derive(Args)]
 #[command(next_help_heading = "Surface")]
 pub struct SurfaceArgs {
-    /// The form of the method; --surface, --bounds, --primitives and --solver choose its parts one by one
+    /// The form of the method. --surface, --bounds, --primitives and --solver override its parts
     #[arg(long, value_enum, default_value_t = MethodChoice::Default)]
     method: MethodChoice,
 
-    /// What the triangles stand for [default: smooth, or angular with --method paper]
+    /// The surface that the triangles stand for [default: smooth, or angular with --method paper]
     #[arg(long, value_enum)]
     surface: Option<SurfaceChoice>,
 
@@ -28,7 +28,7 @@ pub struct SurfaceArgs {
     #[arg(long, value_enum)]
     bounds: Option<BoundsChoice>,
 
-    /// What is one primitive to Embree [default: clusters, or triangles with --method paper]
+    /// What is one primitive for Embree [default: clusters, or triangles with --method paper]
     #[arg(long, value_enum)]
     primitives: Option<PrimitivesChoice>,
 
@@ -36,26 +36,25 @@ pub struct SurfaceArgs {
     #[arg(long, value_enum)]
     solver: Option<SolverChoice>,
 
-    /// Find roots by the paper's iterative algorithm, to this many binary digits (n) [default with
-    /// --solver ita: 24]
+    /// Binary digits of a root (the paper's n); implies --solver ita [default: 24]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=30))]
     ita_bits: Option<u32>,
 
-    /// Find roots by the paper's iterative algorithm, this many binary digits a step (n1) [default
-    /// with --solver ita: 3]
+    /// Binary digits that each step adds (the paper's n1); implies --solver ita [default: 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
     ita_step: Option<u32>,
 
-    /// Keep triangles flat whose surface lies no further than this from them: a length in the mesh's
-    /// units, or for `render` also in pixels, as in 0.05px [default: 0]
+    /// Keep triangles flat whose surface is this close to their plane: a length in the units of the
+    /// mesh, or, for `render`, in pixels as in 0.05px. If a third of a mesh is flat, Embree traces
+    /// those triangles itself [default: 0]
     #[arg(long, value_name = "LENGTH", value_parser = values::tolerance)]
     tolerance: Option<Tolerance>,
 
-    /// Where normals are missing, faces that meet at a greater angle than this make a hard edge
+    /// Where normals are missing, faces that meet at a greater angle than this form a hard edge
     #[arg(long, value_name = "DEGREES", default_value = "30", value_parser = values::crease)]
     crease_angle: f32,
 
-    /// Which of the normals that a file has are used
+    /// Which of the normals in a file are used
     #[arg(long, value_enum, default_value_t = NormalsChoice::Auto)]
     normals: NormalsChoice,
 }
@@ -64,29 +63,29 @@ pub struct SurfaceArgs {
 enum MethodChoice {
     /// The smooth surface, tight bounds, a fast root finder
     Default,
-    /// The paper's own: the angular surface, spheres of greatest curvature, the iterative algorithm
+    /// The paper's: the angular surface, spheres of greatest curvature, the iterative algorithm (ITA)
     Paper,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum BoundsChoice {
-    /// The paper's: the sphere of greatest curvature, that on the circumscribed circle
+    /// The paper's sphere of greatest curvature, the one on the circumscribed circle
     Sphere,
-    /// The least and greatest heights that the surface may have
+    /// The least and the greatest height that the surface may have
     Tight,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum PrimitivesChoice {
-    /// A triangle
+    /// One triangle
     Triangles,
-    /// A few neighbouring triangles
+    /// Up to eight neighbouring triangles
     Clusters,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum SolverChoice {
-    /// The paper's iterative algorithm
+    /// The paper's iterative algorithm (ITA)
     Ita,
     /// Samples, then a superlinear bracketing method
     Finish,
@@ -96,21 +95,21 @@ enum SolverChoice {
 enum NormalsChoice {
     /// All
     Stored,
-    /// None: all are made from the triangles
+    /// None: all normals are made from the triangles
     Smooth,
-    /// All but flat ones on what looks like a curved wall
+    /// All except those of flat facets on what looks like a curved body
     Auto,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum SurfaceChoice {
-    /// Themselves
+    /// The flat triangles themselves
     Flat,
-    /// The paper's curved triangles
+    /// The paper's surface
     Angular,
-    /// Curved by a quadratic form; better on fine meshes
+    /// Curvature as a quadratic form: better on fine meshes
     Tensor,
-    /// As tensor, with tangent planes that agree across sides
+    /// The same, with tangent planes that agree across edges
     Smooth,
 }
 

@@ -13,22 +13,22 @@ use super::console::Console;
 use super::surface::SurfaceArgs;
 use super::{on_threads, usage, values};
 
-/// Cut the curved surface into flat triangles, for programs that know no others
+/// Cut the curved surface into flat triangles, for programs that know only those
 ///
-/// Every triangle becomes LEVEL times LEVEL, whose vertices lie on the curved surface and have its
-/// normals. Triangle i of the mesh becomes the triangles from i LEVEL LEVEL on. A closed mesh stays
-/// closed.
+/// Each triangle becomes LEVEL times LEVEL triangles. Their vertices lie on the curved surface and
+/// have its normals. Triangle i of the mesh becomes the triangles from number i * LEVEL * LEVEL on.
+/// A closed mesh stays closed.
 #[derive(Args)]
 pub struct TessellateArgs {
     /// Mesh file (OBJ, PLY, STL, OFF, glTF, GLB, also as .gz), or - for standard input
     mesh: PathBuf,
 
-    /// Into how many parts each side is cut
+    /// How many parts each edge is cut into
     #[arg(long, value_name = "LEVEL", default_value_t = 4,
           value_parser = clap::value_parser!(u32).range(1..=10_000))]
     level: u32,
 
-    /// The flat triangles
+    /// The file to write
     #[arg(short, long, value_name = "FILE.obj")]
     output: PathBuf,
 

@@ -27,34 +27,37 @@ const EXPECTED: &str = "expected float32 or float64 of shape (N, 6), origin and 
 
 /// Trace rays from a file and write their hits
 ///
-/// RAYS.npy holds float32 or float64 of shape (N, 6): origin and direction, which need not be of
-/// unit length; or (N, 8), with tnear and tfar after them.
+/// RAYS.npy holds float32 or float64 of shape (N, 6): origin and direction. Or of shape (N, 8), with
+/// tnear and tfar after them. Directions need not be of unit length.
 ///
-/// HITS.npz holds t (N; float32; in units of the direction's length, infinity for a miss), prim_id
-/// (N; uint32; the triangle's number in file order, 4294967295 for a miss), uv (N, 2; float32) and ng
-/// (N, 3; float32; the surface's unit normal, zeros for a miss).
+/// HITS.npz holds
+///   t        (N)     float32  distance in units of the direction's length; infinity for a miss
+///   prim_id  (N)     uint32   number of the triangle in file order; 4294967295 for a miss
+///   uv       (N, 2)  float32  barycentric coordinates of the second and third vertex
+///   ng       (N, 3)  float32  unit normal of the surface; zeros for a miss
 ///
-/// With --all-hits K the same arrays have shapes (N, K), (N, K), (N, K, 2) and (N, K, 3): each ray's
-/// first K hits, nearest first, and misses after its last; and count (N; uint32) is the number of all
-/// its hits, which may be more than K. A hit on the shared side of two triangles counts once: hits of
-/// different triangles that face the same way, at the same t but for rounding, are one.
+/// With --all-hits K these arrays have shapes (N, K), (N, K), (N, K, 2) and (N, K, 3): the first K
+/// hits of each ray, nearest first, with misses after its last. A further array, count (N; uint32),
+/// has the number of all hits of each ray, which may be more than K. A hit on the common edge of two
+/// triangles counts once: two hits are one if their t are equal to rounding and their triangles
+/// differ and face the same way.
 ///
-/// With --occluded there is one array, occluded (N; bool): whether the ray hits anything.
+/// With --occluded there is one array, occluded (N; bool): whether each ray hits anything.
 #[derive(Args)]
 #[command(verbatim_doc_comment)]
 pub struct TraceArgs {
     /// Mesh file (OBJ, PLY, STL, OFF, glTF, GLB, also as .gz), or - for standard input
     mesh: PathBuf,
 
-    /// The rays
+    /// The file of rays
     #[arg(long, value_name = "RAYS.npy")]
     rays: PathBuf,
 
-    /// The hits
+    /// The file of hits to write
     #[arg(short, long, value_name = "HITS.npz")]
     output: PathBuf,
 
-    /// Write the first K of all hits along each ray, not the nearest alone
+    /// Write the first K hits of each ray, not only the nearest
     #[arg(long, value_name = "K", value_parser = values::hits, conflicts_with = "occluded")]
     all_hits: Option<usize>,
 
@@ -62,7 +65,7 @@ pub struct TraceArgs {
     #[arg(long)]
     occluded: bool,
 
-    /// Rays traced together
+    /// How many rays are handed to Embree at a time. The answers are the same
     #[arg(long, value_enum, default_value_t = PacketChoice::One)]
     packet: PacketChoice,
 

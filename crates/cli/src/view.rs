@@ -19,24 +19,26 @@ pub struct ViewArgs {
     #[arg(long, value_enum, default_value_t = UpChoice::Y)]
     up_axis: UpChoice,
 
-    /// A camera of the files, by its name or number (the first is 0), or none [default: the first,
-    /// where no --eye, --target or --up is given]
+    /// A camera from the files, by its name or its number (the first is 0), or none [default: the
+    /// first, unless --eye, --target or --up is given]
     #[arg(long, value_name = "NAME|N|none")]
     camera: Option<String>,
 
-    /// Where the camera is [default: in front, above, a little to the right, as near as shows all]
+    /// Where the camera is [default: in front, above and a little to the right, and close enough to
+    /// just see all meshes]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     eye: Option<DVec3>,
 
-    /// The point in the picture's middle [default: the middle of the meshes' bounds]
+    /// The point in the middle of the picture [default: the middle of the bounds of the meshes]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     target: Option<DVec3>,
 
-    /// Upwards in the picture [default: the up axis]
+    /// The direction that points up in the picture [default: the up axis]
     #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
     up: Option<DVec3>,
 
-    /// The angle that the picture's height covers [default: that of the file's camera, or 35]
+    /// The angle that the height of the picture covers [default: that of the camera in the file,
+    /// else 35]
     #[arg(long, value_name = "DEGREES", value_parser = values::fov)]
     fov: Option<f64>,
 }

@@ -22,16 +22,16 @@ pub struct CompareArgs {
     #[arg(required = true, value_name = "MESH")]
     pub meshes: Vec<PathBuf>,
 
-    /// A picture of all beside each other: flat, curved, their difference, the reference; a PNG file
+    /// The picture to write, a PNG file: flat, curved, their difference and the reference, side by side
     #[arg(short, long, value_name = "FILE.png")]
     pub output: PathBuf,
 
-    /// A mesh of the same body, so fine that it stands for the truth; may be given several times. It
-    /// is shown as flat triangles with interpolated normals
+    /// A finer mesh of the same body, which stands for the truth. It is shown as flat triangles with
+    /// interpolated normals. May be given several times
     #[arg(long, value_name = "FINE")]
     pub reference: Vec<PathBuf>,
 
-    /// What else to set beside them, as a list with commas
+    /// Further forms to compare, separated by commas
     #[arg(
         long,
         value_name = "FORM,...",
@@ -41,7 +41,7 @@ pub struct CompareArgs {
     )]
     pub also: Vec<AlsoChoice>,
 
-    /// A page with pictures to slide over each other and all figures, in one file
+    /// Write a report in one file: all figures, and pictures with a slider between any two
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
 
@@ -49,7 +49,7 @@ pub struct CompareArgs {
     #[arg(long)]
     pub json: bool,
 
-    /// Build and render so many times and give medians and spreads of times
+    /// Build and render this many times, and give medians and spreads of the times
     #[arg(long, value_name = "N", default_value_t = 1,
         value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeat: u32,
@@ -58,7 +58,7 @@ pub struct CompareArgs {
     #[arg(long, value_name = "WxH", default_value = "800x600", value_parser = values::size)]
     pub size: [usize; 2],
 
-    /// Rays a pixel
+    /// Rays for each pixel
     #[arg(long, visible_alias = "spp", value_name = "N", default_value_t = 16,
         value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub samples: u32,
@@ -83,17 +83,17 @@ pub struct CompareArgs {
 /// Further forms to compare, as they are without any options.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum AlsoChoice {
-    /// Flat triangles that are lit by their own normals
+    /// Flat triangles, lit by their own normals
     Facets,
-    /// The paper's surface with this program's bounds and root finder
+    /// The paper's surface, with the default bounds and root finder
     Angular,
-    /// Curved by a quadratic form
+    /// Curvature as a quadratic form
     Tensor,
-    /// As tensor, with tangent planes that agree across sides
+    /// The same, with tangent planes that agree across edges
     Smooth,
-    /// The paper's own: its surface, bounds and root finder
+    /// The paper's surface, bounds and root finder
     Paper,
-    /// Nothing
+    /// No further form
     None,
 }
 

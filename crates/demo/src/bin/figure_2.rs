@@ -5,7 +5,7 @@
 //!
 //! The bodies are cut as coarsely as in the paper, and curved by its form: without the test that
 //! keeps triangles flat where the guide field folds over, which the 96 triangles of the torus would
-//! not pass (see the README's limits).
+//! not pass (see docs/limits.md).
 
 use std::io::Cursor;
 

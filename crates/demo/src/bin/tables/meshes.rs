@@ -6,15 +6,21 @@ use serde_json::Value;
 
 use super::{Result, curvetri, machine, number};
 
-const HEAD: &str = "# Meshes people have
+const HEAD: &str = "# Real meshes
 
-What becomes of 49 real meshes: `cargo run --release --bin tables -- meshes FOLDER` writes this
-table. Each is rendered at 400 x 300 pixels with 4 rays a pixel, by a process of its own, or refused
-with a sentence. *Curved* triangles follow the surface asked for, *fall-back* ones the angular rule;
-*plane* ones are flat because their surface lies in their plane anyway, *flat* ones because the method
-cannot take them, and no ray hits *degenerate* ones. Times are in
-seconds. *Memory* is that of the mesh, what is kept of its patches, and Embree's tree, in MB; *peak*
-is the most that the whole process ever had.
+What becomes of 49 meshes that people use. Each is rendered at 400 x 300 pixels with 4 rays per pixel, in a
+process of its own, or it is refused with a message. This command writes the table:
+
+```sh
+cargo run --release --bin tables -- meshes FOLDER
+```
+
+- *curved*: triangles with the default surface; *fall-back*: with the angular rule instead
+- *plane*: flat because their surface lies in their plane; *flat*: flat because the method cannot take them
+- *degenerate*: without area, so that no ray hits them
+- *load*, *build*, *render*: seconds
+- *memory*: the mesh, its packed patches and Embree's tree, in MB; *peak*: the most that the process ever had
+
 ";
 
 /// The files' table.

@@ -8,9 +8,14 @@ use super::{Result, curvetri, machine, number};
 
 const HEAD: &str = "# Time and memory by size
 
-A bumpy torus of so many triangles, as an OBJ file with normals, is read, curved, built and rendered
-(800 x 600 pixels, 4 rays a pixel): `cargo run --release --bin tables -- sizes` writes these
-tables. *Peak* is the most memory that the process ever had, the file's text included.
+A bumpy torus, stored as an OBJ file with normals, is read, curved, built and rendered (800 x 600 pixels, 4
+rays per pixel). *Peak* is the most memory that the process ever had, with the text of the file. This
+command writes the tables:
+
+```sh
+cargo run --release --bin tables -- sizes
+```
+
 ";
 
 /// The tables, for 0.1, 1 and 10 million triangles where none are named.
@@ -49,7 +54,7 @@ fn triangles(stats: &Value) -> f64 {
 
 fn times(runs: &[(u64, Value)]) -> String {
     let mut text =
-        "| triangles | load | curve | build | render | load, curve and build a triangle | \
+        "| triangles | load | curve | build | render | load, curve and build, per triangle | \
                     render |\n|--:|--:|--:|--:|--:|--:|--:|\n"
             .to_owned();
     for (_, stats) in runs {
@@ -66,7 +71,7 @@ fn times(runs: &[(u64, Value)]) -> String {
 }
 
 fn memory(runs: &[(u64, Value)]) -> String {
-    let mut text = "| triangles | file | mesh | records | Embree's tree | all three | peak |\n\
+    let mut text = "| triangles | file | mesh | packed patches | Embree's tree | all three | peak |\n\
                     |--:|--:|--:|--:|--:|--:|--:|\n"
         .to_owned();
     for (length, stats) in runs {
