@@ -109,7 +109,7 @@ enum SurfaceChoice {
     Angular,
     /// Curvature as a quadratic form: better on fine meshes
     Tensor,
-    /// The same, with tangent planes that agree across edges
+    /// As tensor, with tangent planes that agree across edges
     Smooth,
 }
 

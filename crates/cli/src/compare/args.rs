@@ -89,7 +89,7 @@ pub enum AlsoChoice {
     Angular,
     /// Curvature as a quadratic form
     Tensor,
-    /// The same, with tangent planes that agree across edges
+    /// As tensor, with tangent planes that agree across edges
     Smooth,
     /// The paper's surface, bounds and root finder
     Paper,
