@@ -351,7 +351,10 @@ fn ways_table(mesh: &MeshReport) -> Table {
     let columns = [
         "form", "rays", "packet", "threads", "Mray/s", "spread", "ratio", "spread", "hits",
     ];
-    let heading = format!("{}: every packet width (c: with the coherent flag)", mesh.name);
+    let heading = format!(
+        "{}: every packet width (c: with the coherent flag)",
+        mesh.name
+    );
     let mut table = Table::new(heading, &columns);
     for form in measured(mesh).filter(|form| [BASELINE, "smooth"].contains(&&*form.name)) {
         for row in &form.rows {

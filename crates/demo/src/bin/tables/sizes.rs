@@ -71,9 +71,10 @@ fn times(runs: &[(u64, Value)]) -> String {
 }
 
 fn memory(runs: &[(u64, Value)]) -> String {
-    let mut text = "| triangles | file | mesh | packed patches | Embree's tree | all three | peak |\n\
+    let mut text =
+        "| triangles | file | mesh | packed patches | Embree's tree | all three | peak |\n\
                     |--:|--:|--:|--:|--:|--:|--:|\n"
-        .to_owned();
+            .to_owned();
     for (length, stats) in runs {
         let bytes = |name: &str| number(&stats["bytes"][name]);
         let count = triangles(stats);
