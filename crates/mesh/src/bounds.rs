@@ -3,6 +3,15 @@
 use glam::{BVec3, DVec3};
 
 /// An axis-aligned box in the user's space.
+///
+/// ```
+/// use curvetri_mesh::Bounds;
+/// use glam::DVec3;
+///
+/// let bounds = Bounds { min: DVec3::ZERO, max: DVec3::new(3.0, 4.0, 0.0) };
+/// assert_eq!(bounds.centre(), DVec3::new(1.5, 2.0, 0.0));
+/// assert_eq!(bounds.diagonal(), 5.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
     /// The corner with the least coordinates.
@@ -43,8 +52,7 @@ impl Bounds {
     }
 
     /// The least box around both.
-    #[must_use]
-    pub fn union(self, other: Bounds) -> Bounds {
+    pub(crate) fn union(self, other: Bounds) -> Bounds {
         Bounds {
             min: self.min.min(other.min),
             max: self.max.max(other.max),

@@ -13,6 +13,13 @@ pub const MAX_INDICES: u64 = 1 << 31;
 
 /// Why arrays of numbers are no mesh. Vertices, normals and faces are numbered from 0, as in the
 /// arrays.
+///
+/// ```
+/// use curvetri_mesh::{Mesh, MeshError};
+///
+/// let error = Mesh::new(vec![], None, vec![]).unwrap_err();
+/// assert_eq!(error, MeshError::Empty);
+/// ```
 #[derive(Debug, Error, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -104,6 +111,16 @@ pub(crate) fn check_sizes(indices: u64, vertices: u64) -> Result<(), MeshError> 
 }
 
 /// Why a mesh file could not be loaded.
+///
+/// A message does not contain that of its [source](std::error::Error::source): print both.
+///
+/// ```
+/// use curvetri_mesh::{LoadError, Loader};
+///
+/// let error = Loader::new().load_bytes("v 0 0 zero\n".into(), "a.obj").unwrap_err();
+/// assert_eq!(error.to_string(), "a.obj:1: vertex 1: \"zero\" is not a number");
+/// assert!(matches!(error, LoadError::Line { line: 1, .. }));
+/// ```
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LoadError {
@@ -165,7 +182,7 @@ pub(crate) enum Fault {
     Line(usize, String),
     /// An element, or the whole.
     Content(String),
-    /// A line, or the whole, where a library's error tells more.
+    /// A line, or the whole, with the error that caused it.
     Caused {
         line: Option<usize>,
         what: String,

@@ -1,20 +1,41 @@
-//! Meshes apart from where they are used.
+//! Meshes and their instances.
 
 use glam::{DAffine3, Vec3};
 
 use crate::bounds::Bounds;
 use crate::mesh::Mesh;
 
-/// Meshes, each once, and all their uses.
+/// Meshes, each once, and where they are placed.
+///
+/// ```
+/// use curvetri_mesh::{Mesh, Parts, Placement};
+/// use glam::{DAffine3, DVec3};
+///
+/// let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+/// let mut parts = Parts::from(Mesh::new(positions, None, vec![[0, 1, 2]])?);
+/// parts.placements.push(Placement {
+///     part: 0,
+///     to_user: DAffine3::from_translation(5.0 * DVec3::Z),
+/// });
+/// assert_eq!((parts.meshes.len(), parts.triangles()), (1, 2));
+/// assert_eq!(parts.bounds().map(|bounds| bounds.max.z), Some(5.0));
+/// # Ok::<(), curvetri_mesh::MeshError>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Parts {
     /// The meshes, each in a space of its own.
     pub meshes: Vec<Mesh>,
-    /// Where they are used.
+    /// Where they are placed.
     pub placements: Vec<Placement>,
 }
 
-/// One use of a mesh.
+/// One instance of a mesh.
+///
+/// ```
+/// use curvetri_mesh::Placement;
+///
+/// assert!(Placement::in_place(3).is_in_place());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     /// The mesh's number among the parts.
@@ -69,14 +90,14 @@ impl Parts {
         self.placements.extend(placements);
     }
 
-    /// Triangles of all uses.
+    /// How many triangles all instances have together.
     pub fn triangles(&self) -> usize {
         let of = |placement: &Placement| self.meshes[placement.part].triangles().len();
         self.placements.iter().map(of).sum()
     }
 
-    /// The bounds of all vertices where they are put, in the user's space; `None` if none is put
-    /// anywhere.
+    /// The bounds of all vertices where they are placed, in the user's space; `None` if there is
+    /// no placement.
     pub fn bounds(&self) -> Option<Bounds> {
         Some(self.extent()?.0)
     }
@@ -104,7 +125,7 @@ impl Parts {
 }
 
 impl From<Vec<Mesh>> for Parts {
-    /// Meshes in the user's space, each used once.
+    /// Meshes in the user's space, each placed once.
     fn from(meshes: Vec<Mesh>) -> Parts {
         Parts {
             placements: (0..meshes.len()).map(Placement::in_place).collect(),

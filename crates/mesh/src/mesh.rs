@@ -14,8 +14,18 @@ pub(crate) const SAME_NORMAL_ANGLE: f64 = 0.1 * std::f64::consts::PI / 180.0;
 ///   bit for bit. Where normals are split (a hard edge), several vertices have the same position.
 ///   Normals at one position that differ by less than 0.1 degrees have been made one.
 /// - Zeros are positive: two positions or normals are equal exactly if their bits are.
-/// - Triangle `i` is the file's `i`-th, polygons cut in place. Degenerate triangles are kept.
+/// - Triangle `i` is the file's `i`-th, polygons cut in place. Degenerate triangles stay in the mesh.
 /// - Positions are relative to [`Mesh::origin`].
+///
+/// ```
+/// use curvetri_mesh::Mesh;
+/// use glam::{DVec3, Vec3};
+///
+/// let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+/// let mesh = Mesh::new(positions, None, vec![[0, 1, 2]])?;
+/// assert_eq!(mesh.triangle_normals(0), [Vec3::Z; 3]);
+/// # Ok::<(), curvetri_mesh::MeshError>(())
+/// ```
 ///
 /// # The local origin
 ///

@@ -1,4 +1,4 @@
-//! What a file holds: its meshes, each once, and where they are used.
+//! What a file holds: its meshes, each once, and where they are placed.
 
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -17,7 +17,7 @@ const MOST_STRETCH: f64 = 1e4;
 const MOST_SCALE: f64 = 1e6;
 const FURTHEST: f64 = 1e11;
 
-/// Meshes and where they are put.
+/// Meshes and where they are placed.
 #[derive(Debug, Default)]
 pub(crate) struct Model {
     pub parts: Vec<RawMesh>,
@@ -45,8 +45,9 @@ impl Model {
         flattened(&self.parts, &self.placements)
     }
 
-    /// Puts what is used once into one part, in the user's space, the first; what is used more often
-    /// stays apart, but for placements whose transform no instance can have.
+    /// Puts meshes that are placed once into one part, in the user's space, the first. Those that
+    /// are placed more often stay parts of their own, but for placements whose transform no instance
+    /// can have.
     pub fn split(mut self) -> Result<Model, Fault> {
         self.placements
             .retain(|u| !self.parts[u.part].corners.is_empty());
@@ -58,10 +59,10 @@ impl Model {
             })
             .collect();
         let fits = |u: &Placement| boxes[u.part].is_some_and(|b| can_be_instance(&u.to_user, b));
-        let mut apart = vec![0_usize; self.parts.len()];
-        (self.placements.iter().filter(|u| fits(u))).for_each(|u| apart[u.part] += 1);
+        let mut instanced = vec![0_usize; self.parts.len()];
+        (self.placements.iter().filter(|u| fits(u))).for_each(|u| instanced[u.part] += 1);
         let (mut instances, rest): (Vec<_>, Vec<_>) =
-            (self.placements.iter()).partition(|u| apart[u.part] > 1 && fits(u));
+            (self.placements.iter()).partition(|u| instanced[u.part] > 1 && fits(u));
         if instances.is_empty() {
             return Ok(self.flatten()?.into());
         }
@@ -71,7 +72,7 @@ impl Model {
         };
         let mut new_number = vec![0; self.parts.len()];
         for (number, part) in self.parts.into_iter().enumerate() {
-            if apart[number] > 1 {
+            if instanced[number] > 1 {
                 new_number[number] = split.parts.len();
                 split.parts.push(part);
             }
@@ -202,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn copies_that_add_up_to_too_much_are_not_flattened_and_no_matter_apart() {
+    fn copies_that_add_up_to_too_much_are_not_flattened_and_are_fine_as_instances() {
         let copies = |count: usize| model(&vec![(0, DAffine3::IDENTITY); count]);
         assert_eq!(copies(3).flatten().unwrap().corners.len(), 3000);
         let Err(Fault::Content(what)) = copies(50_001).flatten() else {

@@ -11,6 +11,22 @@ use crate::report::LoadReport;
 use crate::topology::{snap, weld};
 
 /// Triangles as a file has them: positions and normals with an index each. Every reader makes one.
+///
+/// ```
+/// use curvetri_mesh::{NO_NORMAL, NormalOptions, RawMesh};
+/// use glam::DVec3;
+///
+/// let raw = RawMesh {
+///     positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+///     corners: vec![[0, 1, 2]],
+///     normals: vec![DVec3::Z],
+///     normal_corners: Some(vec![[0, 0, NO_NORMAL]]),
+/// };
+/// let (mesh, report) = raw.into_mesh(&NormalOptions::default())?;
+/// assert_eq!((report.normals.stored, report.normals.made), (2, 1));
+/// assert_eq!(mesh.positions().len(), 3);
+/// # Ok::<(), curvetri_mesh::MeshError>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RawMesh {
     /// Positions in the user's space.
@@ -27,7 +43,7 @@ pub struct RawMesh {
 impl RawMesh {
     /// Checks everything, makes missing normals, merges corners of the same position and normal
     /// into vertices, puts vertices that are meant to be one into one place and chooses the local
-    /// origin. The report tells what of it was needed.
+    /// origin. The report counts what was needed of it.
     ///
     /// # Errors
     ///

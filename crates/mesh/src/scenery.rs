@@ -3,6 +3,12 @@
 use glam::DVec3;
 
 /// Cameras and lights of a file, in the user's space and the order of the file's scene.
+///
+/// ```no_run
+/// let scenery = curvetri_mesh::Loader::new().load("scene.glb")?.scenery;
+/// println!("{} cameras, {} suns", scenery.cameras.len(), scenery.suns.len());
+/// # Ok::<(), curvetri_mesh::LoadError>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Scenery {
     /// Perspective cameras.
@@ -23,6 +29,14 @@ impl Scenery {
 }
 
 /// A light of a file that shines from a point.
+///
+/// ```
+/// use curvetri_mesh::FileLamp;
+/// use glam::DVec3;
+///
+/// let lamp = FileLamp { position: DVec3::Y, intensity: DVec3::splat(100.0), range: None, cone: None };
+/// assert!(lamp.cone.is_none(), "it shines all around");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FileLamp {
     /// Where it is.
@@ -36,6 +50,14 @@ pub struct FileLamp {
 }
 
 /// A spot light's cone.
+///
+/// ```
+/// use curvetri_mesh::FileCone;
+/// use glam::DVec3;
+///
+/// let cone = FileCone { axis: -DVec3::Y, angles: [0.3, 0.5] };
+/// assert!(cone.angles[0] <= cone.angles[1]);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FileCone {
     /// Where it shines to; unit length.
@@ -46,6 +68,20 @@ pub struct FileCone {
 }
 
 /// A perspective camera of a file.
+///
+/// ```
+/// use curvetri_mesh::FileCamera;
+/// use glam::DVec3;
+///
+/// let camera = FileCamera {
+///     name: "front".into(),
+///     eye: 5.0 * DVec3::Z,
+///     forward: -DVec3::Z,
+///     up: DVec3::Y,
+///     fov_degrees: 40.0,
+/// };
+/// assert_eq!(camera.forward.dot(camera.up), 0.0);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct FileCamera {
     /// Its name, or that of what carries it; may be empty.

@@ -72,7 +72,7 @@ fn code(position: Vec3, (least, steps): (Vec3, f32)) -> u64 {
         ];
         pairs
             .into_iter()
-            .fold(digits, |digits, (by, kept)| (digits | digits << by) & kept)
+            .fold(digits, |digits, (by, mask)| (digits | digits << by) & mask)
     };
     spread(at.x) | spread(at.y) << 1 | spread(at.z) << 2
 }

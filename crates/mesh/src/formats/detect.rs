@@ -1,4 +1,4 @@
-//! Which format a file is of, told by its content.
+//! Which format a file is of, by its content.
 
 use super::stl::{stl_facets, stl_length};
 use super::text::is_utf16;

@@ -50,9 +50,9 @@ impl Fan {
         self.groups.reset(corners.len());
     }
 
-    /// Joins the faces on the two faces of each edge whose dihedral angle's cosine is at least
+    /// Joins the two faces of each edge whose dihedral angle's cosine is at least
     /// `cos_crease` and whose windings agree. A triangle too thin to have a normal takes over
-    /// that of a neighbour, so that it does not part the faces beside it.
+    /// that of a neighbour, so that it does not separate the faces beside it.
     pub(super) fn join(&mut self, cos_crease: f64) {
         let edges = std::mem::take(&mut self.edges);
         for _ in 0..MAX_SPREADS {
@@ -133,7 +133,7 @@ fn for_pairs(edges: &[(u32, bool, u32)], mut pair: impl FnMut(u32, u32)) {
 }
 
 /// The unit normal of a triangle and the angle at its first corner, both zero where the triangle is
-/// so thin that single-precision positions do not tell its plane.
+/// so thin that single-precision positions do not determine its plane.
 fn face_at(corners: [DVec3; 3]) -> (DVec3, f64) {
     let normal = plane_normal(corners);
     if normal == DVec3::ZERO {

@@ -1,11 +1,12 @@
 //! Recognises curved walls that are stored with flat normals.
 //!
 //! Many programs store each triangle or polygon of a part with one normal at all its corners,
-//! whatever the part is. Such a triangle is *flat* here, if that normal is about its plane's. A
-//! smooth region is what hangs together across edges that bend by no more than the crease angle. If
-//! in a region nearly all edges where normals say something part flat triangles, its file knows
-//! nothing of smoothness, and the normals of its flat triangles are made anew. Where a good part of
-//! them has the same normals on both hands, the file tells smooth from hard, and is believed.
+//! whatever the part is. A triangle is *flat* here if that normal is about its plane's. A *region* is
+//! a set of triangles connected across edges that bend by no more than the crease angle. Each edge in
+//! it votes: for flat where two flat triangles with different normals meet, for smooth where both
+//! triangles have the same normals at both ends. If nearly all edges vote for flat, the file knows
+//! nothing of smoothness, and the normals of the region's flat triangles are made anew. Otherwise the
+//! file distinguishes smooth from hard, and its normals are used.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -20,16 +21,16 @@ use crate::topology::Groups;
 /// more corners are not quite plane.
 const COS_ALONG_PLANE: f64 = 0.94;
 
-/// A region is stored flat if more than this share of the edges that tell part flat triangles.
+/// A region is stored flat if more than this share of its votes are for flat.
 const FLAT_SHARE: f64 = 0.9;
 
-/// How many such edges make a wall curved: fewer are a roof or a bevel.
+/// How many such votes a curved wall has at least: fewer are a roof or a bevel.
 const LEAST_EDGES: u64 = 3;
 
 /// At an edge with more triangles than this nothing is joined: it is no surface.
 const MAX_USES: usize = 16;
 
-/// What is known of a mesh whose normals are looked at.
+/// A mesh with stored normals.
 pub(super) struct Walls<'a> {
     pub(super) places: &'a [Vec3],
     pub(super) corners: &'a [[u32; 3]],
@@ -48,7 +49,7 @@ struct Plane {
     flat: Vec3,
 }
 
-/// What a region's edges tell.
+/// How a region's edges vote.
 #[derive(Clone, Copy, Default)]
 struct Votes {
     flat: u64,
@@ -64,21 +65,21 @@ impl Walls<'_> {
             return None;
         }
         let mut regions = DisjointSets::new(self.corners.len());
-        let mut told: Vec<(u32, bool)> = Vec::new();
+        let mut cast: Vec<(u32, bool)> = Vec::new();
         self.for_joined(&planes, |a, b| {
             regions.unite(a as u32 / 3, b as u32 / 3);
             let [pa, pb] = [planes[a / 3], planes[b / 3]];
             if pa.is_flat() && pb.is_flat() {
-                // The same normal on both says nothing: they are parts of one polygon or plane.
+                // No vote where both have the same normal: they are parts of one polygon or plane.
                 if f64::from(pa.flat.distance(pb.flat)) > SAME_NORMAL_ANGLE {
-                    told.push((a as u32 / 3, false));
+                    cast.push((a as u32 / 3, false));
                 }
             } else if self.agree(a, b) {
-                told.push((a as u32 / 3, true));
+                cast.push((a as u32 / 3, true));
             }
         });
         let mut votes = vec![Votes::default(); self.corners.len()];
-        for (triangle, smooth) in told {
+        for (triangle, smooth) in cast {
             let votes = &mut votes[regions.root(triangle) as usize];
             *(if smooth {
                 &mut votes.smooth
@@ -99,7 +100,7 @@ impl Walls<'_> {
         let is_one = stored
             .iter()
             .all(|n| n.distance(stored[0]) < SAME_NORMAL_ANGLE);
-        // A triangle may wind against its normals; that is checked elsewhere.
+        // A triangle may wind against its normals: then the two are opposite.
         let is_along = stored[0].dot(normal).abs() > COS_ALONG_PLANE;
         Plane {
             normal: normal.as_vec3(),
@@ -118,8 +119,8 @@ impl Walls<'_> {
         self.normals[normal as usize].normalize_or_zero()
     }
 
-    /// Calls `pair` with every two edges (numbers of the corners they start from) that are one, of
-    /// two triangles that bend there by no more than the crease angle.
+    /// Calls `pair` for each edge that two triangles share and at which they bend by no more than
+    /// the crease angle, with the numbers of the corners that the edge starts from on both.
     fn for_joined(&self, planes: &[Plane], mut pair: impl FnMut(usize, usize)) {
         let ends = |edge: usize| {
             let t = self.corners[edge / 3];

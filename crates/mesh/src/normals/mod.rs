@@ -59,21 +59,42 @@ pub struct NormalOptions {
 }
 
 /// Which of the normals that a file has are used.
+///
+/// ```
+/// use curvetri_mesh::{Loader, NormalsPolicy};
+///
+/// let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 1 0 1\nf 1//1 2//1 3//1\n";
+/// let made = |policy| {
+///     let loaded = Loader::new().normals(policy).load_bytes(obj.into(), "a.obj");
+///     loaded.map(|loaded| loaded.report.normals.made)
+/// };
+/// assert_eq!(made(NormalsPolicy::Stored)?, 0);
+/// assert_eq!(made(NormalsPolicy::Smooth)?, 3);
+/// # Ok::<(), curvetri_mesh::LoadError>(())
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum NormalsPolicy {
     /// All that are usable; missing ones are made.
     Stored,
     /// None: all are made.
     Smooth,
-    /// Those that say more than the triangles do. Where a curved wall is stored with each
-    /// triangle's own flat normal, they are made. A smooth region (what hangs together across edges
-    /// that bend by no more than the crease angle) counts as stored flat if that is so on both
-    /// hands of nine in ten of its edges at which the stored normals tell anything.
+    /// All that are usable, but not where a curved wall is stored with each triangle's own flat
+    /// normal: there they are made. A region (triangles connected across edges that bend by no more
+    /// than the crease angle) counts as stored flat if flat triangles with different normals meet at
+    /// more than nine in ten of its edges, of those where the stored normals show anything.
     #[default]
     Auto,
 }
 
 /// Where a mesh's normals come from, counted by triangle corners.
+///
+/// ```
+/// let off = "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+/// let loaded = curvetri_mesh::Loader::new().load_bytes(off.into(), "a.off")?;
+/// let normals = loaded.report.normals;
+/// assert_eq!((normals.stored, normals.made), (0, 3));
+/// # Ok::<(), curvetri_mesh::LoadError>(())
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct NormalsReport {
     /// Corners whose stored normal is used.
@@ -87,7 +108,8 @@ pub struct NormalsReport {
     pub unusable: u64,
     /// Corners whose stored normal was not of unit length, by more than 0.001.
     pub renormalised: u64,
-    /// Corners whose stored normal points away from the triangle's front (counter-clockwise) side.
+    /// Corners whose stored normal points away from the triangle's front, the side from which it
+    /// winds counter-clockwise.
     pub against_face: u64,
 }
 
@@ -165,7 +187,7 @@ pub(crate) fn assign(
 }
 
 /// The cosine from which on two faces are joined. A thousandth of a degree is added so that a
-/// prism whose edges turn by exactly the crease angle is joined all around or not at all.
+/// prism whose faces turn by exactly the crease angle is joined all around or not at all.
 fn cos_crease(degrees: f32) -> f64 {
     let degrees = f64::from(degrees);
     if degrees >= 180.0 {

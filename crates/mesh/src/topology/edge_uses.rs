@@ -118,13 +118,14 @@ impl EdgesByPlace {
     }
 }
 
-/// Tells the lower end and the use of every edge of some triangles, the first of which has this number.
-fn each_use(corners: &[[u32; 3]], first: usize, mut tell: impl FnMut(u32, EdgeUse)) {
+/// Calls `visit` with the lower end and the use of every edge of some triangles, the first of which
+/// has this number.
+fn each_use(corners: &[[u32; 3]], first: usize, mut visit: impl FnMut(u32, EdgeUse)) {
     for (n, &corners) in corners.iter().enumerate() {
         if !is_collapsed(corners) {
             for k in 0..3 {
                 let (lower, edge_use) = EdgeUse::new(first + n, corners, k);
-                tell(lower, edge_use);
+                visit(lower, edge_use);
             }
         }
     }

@@ -1,19 +1,19 @@
 //! Which triangles share an edge, and how they meet there.
 //!
-//! Edges are matched by the positions of their ends, bit for bit; [`RawMesh::into_mesh`] has put
-//! vertices that are meant to be one into one place before. Normals and texture coordinates split
-//! vertices, but no edges. What is done at each kind of edge, so that no two triangles that share
-//! one part from each other:
+//! Edges are matched by the positions of their ends, bit for bit: [`RawMesh::into_mesh`] has already
+//! put vertices that are meant to be one into one place. Normals and texture coordinates split
+//! vertices, but not edges. What is done at each kind of edge, so that no gap opens between two
+//! triangles that share one:
 //!
 //! | edge | the surface there |
 //! |---|---|
 //! | smooth: two triangles, equal normals at both ends | curved; both make the same curve of the same numbers |
 //! | doubled: sheets that lie in each other | curved, each sheet joined to its own continuation |
-//! | hard: two triangles, a normal differs | straight on both hands |
-//! | flipped: the two do not agree on the front | straight on both hands |
-//! | non-manifold: three triangles or more | straight on all hands |
-//! | boundary: one triangle | curved as its own normals say: nobody is there to part from |
-//! | of a triangle without area | none: no ray hits it, and those beside it are each other's |
+//! | hard: two triangles, a normal differs | straight for both |
+//! | flipped: the two do not agree on the front | straight for both |
+//! | non-manifold: three triangles or more | straight for all |
+//! | boundary: one triangle | curved as its own normals say: there is no neighbour to meet |
+//! | of a triangle without area | none: no ray hits it, and the triangles beside it are neighbours |
 //!
 //! A **T-junction**, where a vertex lies within a longer edge of another triangle, is no shared edge
 //! but three boundaries. On a curved surface they need not meet: the long edge bends away from the
@@ -44,6 +44,13 @@ pub use weld::weld;
 pub const NO_TRIANGLE: u32 = u32::MAX;
 
 /// How a triangle meets its neighbour at an edge.
+///
+/// ```
+/// use curvetri_mesh::EdgeKind;
+///
+/// assert!(EdgeKind::Hard.is_straight());
+/// assert!(!EdgeKind::Smooth.is_straight());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum EdgeKind {
@@ -55,15 +62,16 @@ pub enum EdgeKind {
     /// edge of all sheets, and so each sheet's two triangles are each other's neighbours. The two
     /// faces of one sheet are neighbours at its boundary.
     Smooth,
-    /// Exactly one neighbour, but the normals differ at an end: a hard edge, straight for both. Also the edges of a triangle that has two corners in one place, which has no
-    /// neighbours: those beside it are each other's.
+    /// Exactly one neighbour, but the normals differ at an end: a hard edge, straight for both
+    /// triangles. Also the edges of a triangle that has two corners in one place. It has no
+    /// neighbours: the triangles beside it are each other's.
     Hard,
     /// No neighbour: the edge is curved as its own two normals say.
     Boundary,
     /// Three or more triangles have the edge: straight for all of them.
     NonManifold,
-    /// One neighbour, on whose front the edge runs in the same direction: one of the two shows its
-    /// back. Straight on both sides.
+    /// Exactly one neighbour, on whose front the edge runs in the same direction: one of the two
+    /// shows its back. Straight for both.
     Flipped,
 }
 
@@ -87,6 +95,18 @@ impl EdgeKind {
 
 /// What a mesh's edges and triangles are, counted. An edge of two triangles counts once, and so
 /// does one of many.
+///
+/// ```
+/// use curvetri_mesh::{Mesh, Topology};
+/// use glam::DVec3;
+///
+/// let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+/// let tetrahedron = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let counts = *Topology::new(&Mesh::new(positions, None, tetrahedron)?).counts();
+/// assert_eq!((counts.hard, counts.boundary), (6, 0));
+/// assert!(counts.is_closed());
+/// # Ok::<(), curvetri_mesh::MeshError>(())
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct TopologyCounts {
     /// Places in space that vertices take; vertices that differ by normal only are one place.
@@ -104,7 +124,7 @@ pub struct TopologyCounts {
     /// Edges whose two triangles do not agree on the front.
     pub flipped: u64,
     /// Triangles without area: two corners in one place, or all three on a line as far as single
-    /// precision tells.
+    /// precision shows.
     pub degenerate_triangles: u64,
     /// Triangles with the same three places as an earlier one.
     pub duplicate_triangles: u64,
@@ -134,6 +154,19 @@ impl TopologyCounts {
 }
 
 /// Adjacency of a mesh's triangles by position.
+///
+/// ```
+/// use curvetri_mesh::{EdgeKind, Mesh, NO_TRIANGLE, Topology};
+/// use glam::DVec3;
+///
+/// // A square of two triangles.
+/// let positions = vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+/// let mesh = Mesh::new(positions, None, vec![[0, 1, 2], [0, 2, 3]])?;
+/// let topology = Topology::new(&mesh);
+/// assert_eq!(topology.edge(0, 2), EdgeKind::Smooth);
+/// assert_eq!(topology.neighbours(0), [NO_TRIANGLE, NO_TRIANGLE, 1]);
+/// # Ok::<(), curvetri_mesh::MeshError>(())
+/// ```
 ///
 /// Vertices in the same place are one for adjacency only, so that vertices split for their normals
 /// or texture coordinates open no cracks. Edge `k` of a triangle runs from corner `k` to corner
@@ -201,18 +234,12 @@ impl Topology {
     pub fn counts(&self) -> &TopologyCounts {
         &self.counts
     }
-
-    /// The bytes the arrays take.
-    #[must_use]
-    pub fn memory(&self) -> usize {
-        size_of_val(&*self.neighbours) + size_of_val(&*self.kinds)
-    }
 }
 
 /// The places of each triangle's corners.
 fn corners<'a>(mesh: &'a Mesh, place_of: &[u32], places: usize) -> Cow<'a, [[u32; 3]]> {
     if places == place_of.len() {
-        // Each vertex is in a place of its own, and numbered like it.
+        // Each vertex is in a place of its own, which has the same number.
         return Cow::Borrowed(&mesh.triangles);
     }
     let places = |triangle: &[u32; 3]| triangle.map(|v| place_of[v as usize]);

@@ -3,7 +3,7 @@
 //! Programs write a corner that several parts or triangles share with rounding of their own, so
 //! that it differs in the last digits: 1e-17 here and 0 there. Welding by exact position would leave
 //! a crack there, too thin to be meant. So vertices nearer to each other than a millionth of the
-//! edges around them become one, and as well those that single precision hardly tells apart. Only
+//! edges around them become one, and also those that single precision hardly distinguishes. Only
 //! vertices at open edges are looked at: where a surface is whole, however small its triangles are,
 //! it stays as it is.
 
@@ -24,7 +24,7 @@ const DIRECTION: DVec3 = DVec3::new(0.541_196_1, 0.618_034, 0.570_796_3);
 /// How many vertices are tried around one: so many only lie there in files made to be slow.
 const MAX_TRIED: usize = 64;
 
-/// Makes the corners at open places that are meant to be one name one of them; how many others there
+/// Makes the corners at open places that are meant to be one name one of them; returns how many others there
 /// are. No place moves by more than the tolerance: it goes to one that stays.
 pub(crate) fn snap(places: &[Vec3], corners: &mut [[u32; 3]]) -> u64 {
     let open = open_places(corners, places.len());
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn what_single_precision_hardly_tells_apart_is_one() {
+    fn what_single_precision_hardly_distinguishes_is_one() {
         // So near the origin that it stays there; units in the last place are 2.4e-7.
         assert!(joined(0.5, 3.9, 0.0));
         let (mesh, _) = pair(0.5, 3.9, 0.0);

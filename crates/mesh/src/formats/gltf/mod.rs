@@ -1,6 +1,6 @@
 //! Reads glTF 2.0 files, JSON and binary.
 //!
-//! A mesh used several times is read once; the model tells where its scene puts them.
+//! A mesh that is placed several times is read once; the model holds its placements.
 
 mod buffers;
 mod scenery;
@@ -128,7 +128,7 @@ fn check_extensions(root: &Root, report: &mut LoadReport) -> Result<(), String> 
     Ok(())
 }
 
-/// Tells of what the file says on its meshes' pose and is not read.
+/// Warns of what the file says about its meshes' pose and is not read.
 fn warn_of_poses(root: &Root, nodes: &[(usize, DAffine3)], report: &mut LoadReport) {
     let used = || nodes.iter().map(|&(node, _)| &root.nodes[node]);
     if used().any(|node| node.mesh.is_some() && node.skin.is_some()) {

@@ -12,10 +12,10 @@ use crate::error::MAX_COORDINATE;
 use crate::report::LoadReport;
 use crate::scenery::{FileCamera, FileCone, FileLamp, Scenery};
 
-/// How many characters of a camera's name are kept: many nodes may carry one camera.
+/// The most characters of a camera's name: many nodes may carry one camera.
 const LONGEST_NAME: usize = 128;
 
-/// Reads the cameras and lights of the nodes; what cannot be used is told of.
+/// Reads the cameras and lights of the nodes; warns of what cannot be used.
 pub(super) fn read(
     root: &Root,
     nodes: &[(usize, DAffine3)],

@@ -324,7 +324,7 @@ fn a_well_known_reader_reads_the_same() {
 }
 
 #[test]
-fn the_first_fault_of_the_file_is_told() {
+fn the_first_fault_of_the_file_is_shares() {
     let text = format!("{SQUARE}f 1 2 x\nv 0 0\n");
     for size in [1, 20, 1000] {
         let fault = read_in(&text, size).unwrap_err();
@@ -334,12 +334,12 @@ fn the_first_fault_of_the_file_is_told() {
 
 #[test]
 fn progress_ends_at_the_whole() {
-    let told = std::sync::Mutex::new(Vec::new());
-    let progress = |share| told.lock().unwrap().push(share);
+    let shares = std::sync::Mutex::new(Vec::new());
+    let progress = |share| shares.lock().unwrap().push(share);
     read_by(&square("f 1 2 3\n"), Path::new("x.obj"), &progress, 1).unwrap();
-    let mut told = told.into_inner().unwrap();
-    told.sort_by(f32::total_cmp);
-    assert_eq!((told.len(), told[4]), (5, 1.0));
+    let mut shares = shares.into_inner().unwrap();
+    shares.sort_by(f32::total_cmp);
+    assert_eq!((shares.len(), shares[4]), (5, 1.0));
 }
 
 /// Files of plausible and implausible words.

@@ -84,15 +84,15 @@ fn parse_header(bytes: &[u8]) -> Result<Header, Fault> {
         }
     })?;
     let elements = header.elements.values();
-    let kept: usize = elements.map(|e| 1 + e.properties.len()).sum();
-    if kept < declared {
+    let distinct: usize = elements.map(|e| 1 + e.properties.len()).sum();
+    if distinct < declared {
         let what = "the header of the PLY file declares an element or property twice";
         return Err(Fault::Content(what.into()));
     }
     Ok(header)
 }
 
-/// Refuses headers that promise more than the file has room for, before room is made for it.
+/// Refuses headers that promise more than the file can hold, before memory is reserved for it.
 fn check_counts(header: &Header, length: usize) -> Result<(), Fault> {
     let mut needed: usize = 0;
     for element in header.elements.values() {
