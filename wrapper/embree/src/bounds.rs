@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::sys;
+use super::sys::CurvetriBounds;
 
 /// An axis-aligned box, in the space of whatever it bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,9 +41,9 @@ impl Bounds {
         }
     }
 
-    pub(super) fn to_embree(self) -> sys::RTCBounds {
+    pub(super) fn to_embree(self) -> CurvetriBounds {
         let (lower, upper) = (self.lower, self.upper);
-        sys::RTCBounds {
+        CurvetriBounds {
             lower_x: lower.x,
             lower_y: lower.y,
             lower_z: lower.z,
@@ -55,7 +55,7 @@ impl Bounds {
         }
     }
 
-    pub(super) fn from_embree(bounds: &sys::RTCBounds) -> Self {
+    pub(super) fn from_embree(bounds: &CurvetriBounds) -> Self {
         Self {
             lower: Vec3::new(bounds.lower_x, bounds.lower_y, bounds.lower_z),
             upper: Vec3::new(bounds.upper_x, bounds.upper_y, bounds.upper_z),

@@ -6,7 +6,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, Ordering};
 
 use super::error::{Error, ErrorCode, keep_error};
-use super::sys::{self, RTCDeviceProperty, embree};
+use super::sys::{
+    CurvetriDevice, RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED,
+    RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED,
+    RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED, RTC_DEVICE_PROPERTY_VERSION,
+};
+use super::table::{Table, embree};
 
 /// An Embree device. Clones are cheap and share one device, which lives as long as any of them or
 /// anything made with them.
@@ -14,11 +19,13 @@ use super::sys::{self, RTCDeviceProperty, embree};
 pub struct Device(Arc<Shared>);
 
 struct Shared {
-    handle: sys::RTCDevice,
+    embree: &'static Table,
+    handle: *mut CurvetriDevice,
     // in an allocation of its own: Embree keeps its address, also while the device is released
     memory: Box<MemoryCounters>,
     ray_masks: bool,
     native_width: usize,
+    version: Version,
     limited_to: Option<String>,
 }
 
@@ -61,7 +68,7 @@ impl Version {
         patch: 0,
     };
 
-    fn from_number(number: u32) -> Self {
+    pub(super) fn from_number(number: u32) -> Self {
         Self {
             major: number / 10000,
             minor: number / 100 % 100,
@@ -82,13 +89,13 @@ impl fmt::Display for Version {
 }
 
 impl Device {
-    /// A device with Embree's own settings.
+    /// A device of an Embree, with Embree's own settings. All that is made with it uses that Embree.
     ///
     /// # Errors
     /// If Embree does not run on this processor, or its version is not the one this program was built
     /// for.
-    pub fn new() -> Result<Self, Error> {
-        Self::with_config("")
+    pub fn new(embree: &'static Table) -> Result<Self, Error> {
+        Self::with_config(embree, "")
     }
 
     /// A device with settings in Embree's own notation, as in `"threads=4,isa=avx2"`. Embree ignores
@@ -96,13 +103,13 @@ impl Device {
     ///
     /// # Errors
     /// As [`new`](Self::new), and if the settings hold a NUL character or Embree refuses them.
-    pub fn with_config(config: &str) -> Result<Self, Error> {
+    pub fn with_config(embree: &'static Table, config: &str) -> Result<Self, Error> {
         let text = CString::new(config).map_err(|_| Error::Configuration(config.to_owned()))?;
         // SAFETY: the string is NUL-terminated and outlives the call.
-        let handle = unsafe { embree!(new_device(text.as_ptr())) };
+        let handle = unsafe { embree!(embree, new_device(text.as_ptr())) };
         if handle.is_null() {
             // SAFETY: a null device asks for the error of the device that could not be made.
-            let code = unsafe { embree!(get_device_error(handle)) };
+            let code = unsafe { embree!(embree, get_device_error(handle)) };
             return Err(Error::Embree {
                 doing: "make a device",
                 code: ErrorCode::from_embree(code).unwrap_or(ErrorCode::Unknown),
@@ -110,32 +117,37 @@ impl Device {
             });
         }
         let mut shared = Shared {
+            embree,
             handle,
             memory: Box::default(),
             ray_masks: false,
             native_width: 1,
+            version: Version::from_number(0),
             limited_to: limited_isa(config),
         };
         let device = {
             // SAFETY: the function is of the type asked for; it does not use its pointer.
             unsafe {
-                embree!(set_device_error_function(
-                    handle,
-                    Some(keep_error),
-                    std::ptr::null_mut()
-                ))
+                embree!(
+                    embree,
+                    set_device_error_function(handle, Some(keep_error), std::ptr::null_mut())
+                )
             };
-            shared.ray_masks =
-                shared.property(RTCDeviceProperty::RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) != 0;
+            let version = shared.property(RTC_DEVICE_PROPERTY_VERSION);
+            shared.version = Version::from_number(u32::try_from(version).unwrap_or(0));
+            shared.ray_masks = shared.property(RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) != 0;
             shared.native_width = shared.widest_packet();
             let counters: *const MemoryCounters = &*shared.memory;
             // SAFETY: the counters outlive the device: `Shared` releases it before it drops them.
             unsafe {
-                embree!(set_device_memory_monitor(
-                    handle,
-                    Some(count_memory),
-                    counters.cast_mut().cast::<c_void>()
-                ))
+                embree!(
+                    embree,
+                    set_device_memory_monitor(
+                        handle,
+                        Some(count_memory),
+                        counters.cast_mut().cast::<c_void>()
+                    )
+                )
             };
             Self(Arc::new(shared))
         };
@@ -144,9 +156,7 @@ impl Device {
     }
 
     fn check_version(&self) -> Result<(), Error> {
-        // SAFETY: a plain function of the shim.
-        let built = Version::from_number(unsafe { sys::curvetri_headers_version() });
-        let running = self.version();
+        let (built, running) = (self.0.embree.version(), self.version());
         if running.fits(built) {
             Ok(())
         } else {
@@ -156,10 +166,7 @@ impl Device {
 
     /// The version of the library in use.
     pub fn version(&self) -> Version {
-        let number = self
-            .0
-            .property(RTCDeviceProperty::RTC_DEVICE_PROPERTY_VERSION);
-        Version::from_number(u32::try_from(number).unwrap_or(0))
+        self.0.version
     }
 
     /// The instruction set that Embree's kernels use here, as in "AVX-512" or "SSE2", for people to
@@ -201,7 +208,11 @@ impl Device {
         self.0.ray_masks
     }
 
-    pub(super) fn handle(&self) -> sys::RTCDevice {
+    pub(super) fn embree(&self) -> &'static Table {
+        self.0.embree
+    }
+
+    pub(super) fn handle(&self) -> *mut CurvetriDevice {
         self.0.handle
     }
 
@@ -224,18 +235,9 @@ impl fmt::Debug for Device {
 impl Shared {
     fn widest_packet(&self) -> usize {
         let widths = [
-            (
-                16,
-                RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED,
-            ),
-            (
-                8,
-                RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED,
-            ),
-            (
-                4,
-                RTCDeviceProperty::RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED,
-            ),
+            (16, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED),
+            (8, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED),
+            (4, RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED),
         ];
         widths
             .iter()
@@ -243,9 +245,9 @@ impl Shared {
             .map_or(1, |found| found.0)
     }
 
-    fn property(&self, property: RTCDeviceProperty) -> isize {
+    fn property(&self, property: u32) -> isize {
         // SAFETY: the handle is a live device.
-        unsafe { embree!(get_device_property(self.handle, property)) }
+        unsafe { embree!(self.embree, get_device_property(self.handle, property)) }
     }
 }
 
@@ -253,7 +255,7 @@ impl Drop for Shared {
     fn drop(&mut self) {
         // SAFETY: the handle is a live device, not used after this; everything made with it holds a
         // clone of this and so is gone.
-        unsafe { embree!(release_device(self.handle)) };
+        unsafe { embree!(self.embree, release_device(self.handle)) };
     }
 }
 

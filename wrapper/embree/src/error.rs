@@ -8,6 +8,7 @@ use super::device::Version;
 use super::geometry::Geometry;
 use super::meshes::Grid;
 use super::sys;
+use super::table::TableError;
 
 /// What Embree or this wrapper over it refuses.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -23,6 +24,9 @@ pub enum Error {
         /// Its message; may be empty.
         message: String,
     },
+    /// The table of Embree's functions cannot be used.
+    #[error(transparent)]
+    Table(#[from] TableError),
     /// The Embree library in use does not fit the headers this program was built with.
     #[error(
         "this program was built for Embree {built} but runs with Embree {running}: build it again, \
@@ -75,7 +79,7 @@ pub enum Error {
     #[error("a subdivision level is 1 to {limit}, not {0}", limit = Geometry::FINEST_LEVEL)]
     Level(u32),
     /// A geometry has no or more than 129 time steps.
-    #[error("a geometry has 1 to {limit} time steps, not {0}", limit = sys::RTC_MAX_TIME_STEP_COUNT)]
+    #[error("a geometry has 1 to {limit} time steps, not {0}", limit = sys::TIME_STEPS)]
     TimeSteps(u32),
     /// A geometry, scene or instance belongs to another device.
     #[error("the {0} belongs to another Embree device")]
@@ -83,7 +87,7 @@ pub enum Error {
     /// Instances are nested deeper than the library was built for.
     #[error(
         "instances nested {depth} deep: this Embree was built for {}",
-        sys::RTC_MAX_INSTANCE_LEVEL_COUNT
+        sys::LEVELS
     )]
     Nesting {
         /// How deep they would be nested.
@@ -142,16 +146,16 @@ impl fmt::Display for ErrorCode {
 
 impl ErrorCode {
     /// `None` for "no error".
-    pub(super) fn from_embree(code: sys::RTCError) -> Option<Self> {
+    pub(super) fn from_embree(code: u32) -> Option<Self> {
         Some(match code {
-            sys::RTCError::RTC_ERROR_NONE => return None,
-            sys::RTCError::RTC_ERROR_UNKNOWN => Self::Unknown,
-            sys::RTCError::RTC_ERROR_INVALID_ARGUMENT => Self::InvalidArgument,
-            sys::RTCError::RTC_ERROR_INVALID_OPERATION => Self::InvalidOperation,
-            sys::RTCError::RTC_ERROR_OUT_OF_MEMORY => Self::OutOfMemory,
-            sys::RTCError::RTC_ERROR_UNSUPPORTED_CPU => Self::UnsupportedCpu,
-            sys::RTCError::RTC_ERROR_CANCELLED => Self::Cancelled,
-            other => Self::Other(other.0),
+            sys::RTC_ERROR_NONE => return None,
+            sys::RTC_ERROR_UNKNOWN => Self::Unknown,
+            sys::RTC_ERROR_INVALID_ARGUMENT => Self::InvalidArgument,
+            sys::RTC_ERROR_INVALID_OPERATION => Self::InvalidOperation,
+            sys::RTC_ERROR_OUT_OF_MEMORY => Self::OutOfMemory,
+            sys::RTC_ERROR_UNSUPPORTED_CPU => Self::UnsupportedCpu,
+            sys::RTC_ERROR_CANCELLED => Self::Cancelled,
+            other => Self::Other(other),
         })
     }
 }
@@ -163,11 +167,7 @@ thread_local! {
 }
 
 /// The device's error function: keeps the first error until [`attempt`] asks for it.
-pub(super) unsafe extern "C" fn keep_error(
-    _user: *mut c_void,
-    code: sys::RTCError,
-    message: *const c_char,
-) {
+pub(super) unsafe extern "C" fn keep_error(_user: *mut c_void, code: u32, message: *const c_char) {
     let message = if message.is_null() {
         String::new()
     } else {
@@ -195,5 +195,41 @@ pub(super) fn attempt<T>(doing: &'static str, calls: impl FnOnce() -> T) -> Resu
             code,
             message,
         }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report(code: u32, message: &CStr) {
+        // SAFETY: the message is NUL-terminated and lives for the call; the user pointer is not used.
+        unsafe { keep_error(std::ptr::null_mut(), code, message.as_ptr()) };
+    }
+
+    #[test]
+    fn an_attempt_gives_its_first_error_and_no_earlier_one() {
+        report(sys::RTC_ERROR_UNKNOWN, c"of before");
+        let refused = attempt("test this", || {
+            report(sys::RTC_ERROR_NONE, c"no error");
+            report(sys::RTC_ERROR_INVALID_OPERATION, c"scene not committed");
+            report(sys::RTC_ERROR_CANCELLED, c"a later one");
+        });
+        let error = refused.unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "Embree cannot test this: scene not committed (invalid operation)"
+        );
+        // and it is gone
+        attempt("test this", || ()).unwrap();
+    }
+
+    #[test]
+    fn an_error_is_told_to_the_thread_that_made_it() {
+        let elsewhere = || report(sys::RTC_ERROR_OUT_OF_MEMORY, c"elsewhere");
+        attempt("test this", || {
+            std::thread::scope(|scope| scope.spawn(elsewhere).join().unwrap());
+        })
+        .unwrap();
     }
 }

@@ -5,7 +5,8 @@ use glam::Vec3;
 use super::geometry::Callbacks;
 use super::query::{Query, callback};
 use super::ray::{Hit, Ray};
-use super::sys::{self, INVALID_ID, LEVELS};
+use super::sys::{CurvetriCandidate, INVALID_ID, LEVELS};
+use super::table::Table;
 
 /// Decides whether a hit counts. A rejected hit is as if the surface were not there.
 pub type Filter<'a> = dyn Fn(&Candidate) -> bool + Send + Sync + 'a;
@@ -20,13 +21,13 @@ pub struct Candidate {
 }
 
 /// The intersect filter of a geometry.
-pub(super) unsafe extern "C" fn intersect_filter(args: *const sys::RTCFilterFunctionNArguments) {
+pub(super) unsafe extern "C" fn intersect_filter(args: *const CurvetriCandidate) {
     // SAFETY: Embree passes arguments that live for the call, of a geometry of ours.
     unsafe { geometry_filter(args, |callbacks| callbacks.intersect_filter.as_deref()) }
 }
 
 /// The occluded filter of a geometry.
-pub(super) unsafe extern "C" fn occluded_filter(args: *const sys::RTCFilterFunctionNArguments) {
+pub(super) unsafe extern "C" fn occluded_filter(args: *const CurvetriCandidate) {
     // SAFETY: Embree passes arguments that live for the call, of a geometry of ours.
     unsafe { geometry_filter(args, |callbacks| callbacks.occluded_filter.as_deref()) }
 }
@@ -34,23 +35,25 @@ pub(super) unsafe extern "C" fn occluded_filter(args: *const sys::RTCFilterFunct
 /// # Safety
 /// `args` are Embree's, for a geometry whose user pointer is that of its [`Callbacks`].
 unsafe fn geometry_filter(
-    args: *const sys::RTCFilterFunctionNArguments,
+    args: *const CurvetriCandidate,
     choose: impl Fn(&Callbacks) -> Option<&Filter<'static>>,
 ) {
     // SAFETY: the user pointer is that of the geometry's callbacks, which outlive the geometry.
-    let callbacks = unsafe { &*(*args).geometryUserPtr.cast::<Callbacks>() };
+    let callbacks = unsafe { &*(*args).user.cast::<Callbacks>() };
     if let Some(filter) = choose(callbacks) {
         // SAFETY: as the caller promises.
-        unsafe { run(args, filter) };
+        unsafe { run(args, filter, callbacks.embree) };
     }
 }
 
 /// The filter of the query under way.
-pub(super) unsafe extern "C" fn query_filter(args: *const sys::RTCFilterFunctionNArguments) {
+pub(super) unsafe extern "C" fn query_filter(args: *const CurvetriCandidate) {
     Query::with_current(|query| {
-        if let Some(filter) = query.and_then(Query::filter) {
+        if let Some(query) = query
+            && let Some(filter) = query.filter()
+        {
             // SAFETY: Embree passes arguments that live for the call.
-            unsafe { run(args, filter) };
+            unsafe { run(args, filter, query.embree()) };
         }
     });
 }
@@ -59,20 +62,20 @@ pub(super) unsafe extern "C" fn query_filter(args: *const sys::RTCFilterFunction
 ///
 /// # Safety
 /// `args` are Embree's and live for the call.
-unsafe fn run(args: *const sys::RTCFilterFunctionNArguments, filter: &Filter<'_>) {
+unsafe fn run(args: *const CurvetriCandidate, filter: &Filter<'_>, embree: &Table) {
     // SAFETY: the struct lives for the call; the valid array holds N lanes.
-    let (width, args) = unsafe { ((*args).N as usize, &*args) };
+    let (width, args) = unsafe { ((*args).width as usize, &*args) };
     for lane in 0..width {
         // SAFETY: the valid array holds N lanes.
         let valid = unsafe { &mut *args.valid.add(lane) };
         if *valid == 0 {
             continue;
         }
-        // SAFETY: ray and hit are packets of N lanes.
+        // SAFETY: ray and hit are packets of N lanes, of the Embree that called.
         let candidate = unsafe {
             Candidate {
                 ray: read_ray(args.ray.cast(), width, lane),
-                hit: read_hit(args.ray.cast(), args.hit.cast(), width, lane),
+                hit: read_hit(args.ray.cast(), args.hit.cast(), (width, lane), embree),
             }
         };
         if callback(|_| filter(&candidate)) != Some(true) {
@@ -106,8 +109,13 @@ pub(super) unsafe fn read_ray(ray: *const f32, width: usize, lane: usize) -> Ray
 /// Reads one lane of a hit packet of any width, with t from the ray.
 ///
 /// # Safety
-/// `ray` and `hit` are Embree packets of `width` lanes, `lane` one of them.
-unsafe fn read_hit(ray: *const f32, hit: *const f32, width: usize, lane: usize) -> Hit {
+/// `ray` and `hit` are packets of this Embree of `width` lanes, `lane` one of them.
+unsafe fn read_hit(
+    ray: *const f32,
+    hit: *const f32,
+    (width, lane): (usize, usize),
+    embree: &Table,
+) -> Hit {
     debug_assert!(lane < width);
     // SAFETY: the packet is seven arrays of `width` four-byte fields and those of the instances.
     let float = |field: usize| unsafe { *hit.add(field * width + lane) };
@@ -122,7 +130,7 @@ unsafe fn read_hit(ray: *const f32, hit: *const f32, width: usize, lane: usize) 
         prim_id: integer(5),
         geom_id: integer(6),
         inst_id: std::array::from_fn(|level| integer(7 + level)),
-        inst_prim_id: if cfg!(inst_prim_id) {
+        inst_prim_id: if embree.has_inst_prim_id() {
             std::array::from_fn(|level| integer(7 + LEVELS + level))
         } else {
             [INVALID_ID; LEVELS]

@@ -10,7 +10,11 @@ use super::filter::{self, Filter};
 use super::query::BuildPanics;
 use super::ray::LARGEST_COMPONENT;
 use super::scene::Scene;
-use super::sys::{self, RTCBufferType, RTCFormat, RTCGeometryType, embree};
+use super::sys::{
+    CurvetriGeometry, RTC_BUILD_QUALITY_HIGH, RTC_BUILD_QUALITY_LOW, RTC_BUILD_QUALITY_MEDIUM,
+    RTC_GEOMETRY_TYPE_USER, TIME_STEPS,
+};
+use super::table::{Table, embree};
 use super::user::{self, UserGeometry};
 
 /// A committed geometry, to be attached to scenes. Clones are cheap and share it.
@@ -21,10 +25,12 @@ pub struct Geometry(Arc<Shared>);
 pub struct GeometryBuilder {
     shared: Shared,
     quality: BuildQuality,
+    /// What Embree refused so far: an error of [`commit`](Self::commit).
+    refused: Option<Error>,
 }
 
 pub(super) struct Shared {
-    handle: sys::RTCGeometry,
+    handle: *mut CurvetriGeometry,
     // in an allocation of its own: it is the geometry's user pointer
     callbacks: Box<Callbacks>,
     instanced: Option<Instanced>,
@@ -46,6 +52,7 @@ unsafe impl Sync for Shared {}
 
 /// What a geometry's callbacks need, behind its user pointer.
 pub(super) struct Callbacks {
+    pub(super) embree: &'static Table,
     shape: Option<Arc<dyn UserGeometry>>,
     pub(super) intersect_filter: Option<Box<Filter<'static>>>,
     pub(super) occluded_filter: Option<Box<Filter<'static>>>,
@@ -68,11 +75,11 @@ pub enum BuildQuality {
 }
 
 impl BuildQuality {
-    pub(super) fn to_embree(self) -> sys::RTCBuildQuality {
+    pub(super) fn to_embree(self) -> u32 {
         match self {
-            Self::Low => sys::RTCBuildQuality::RTC_BUILD_QUALITY_LOW,
-            Self::Medium => sys::RTCBuildQuality::RTC_BUILD_QUALITY_MEDIUM,
-            Self::High => sys::RTCBuildQuality::RTC_BUILD_QUALITY_HIGH,
+            Self::Low => RTC_BUILD_QUALITY_LOW,
+            Self::Medium => RTC_BUILD_QUALITY_MEDIUM,
+            Self::High => RTC_BUILD_QUALITY_HIGH,
         }
     }
 }
@@ -84,32 +91,32 @@ impl Geometry {
     /// If its number of time steps is not 1 to 129, or Embree cannot make it.
     pub fn user(device: &Device, shape: Arc<dyn UserGeometry>) -> Result<GeometryBuilder, Error> {
         let (primitives, time_steps) = (shape.primitives(), shape.time_steps());
-        if !(1..=sys::RTC_MAX_TIME_STEP_COUNT).contains(&time_steps) {
+        if !(1..=TIME_STEPS).contains(&time_steps) {
             return Err(Error::TimeSteps(time_steps));
         }
-        let builder =
-            GeometryBuilder::new(device, RTCGeometryType::RTC_GEOMETRY_TYPE_USER, Some(shape))?;
-        let handle = builder.shared.handle;
-        let user = builder.shared.user_pointer();
+        let builder = GeometryBuilder::new(device, RTC_GEOMETRY_TYPE_USER, Some(shape))?;
+        let (embree, handle) = (device.embree(), builder.shared.handle);
         // SAFETY: the handle is a live user geometry; the callbacks behind the user pointer outlive it.
         attempt("make a user geometry", || unsafe {
-            embree!(set_geometry_primitive_count(handle, primitives));
-            embree!(set_geometry_time_step_count(handle, time_steps));
-            embree!(set_geometry_bounds_function(
-                handle,
-                Some(user::bounds),
-                user
-            ));
-            embree!(set_geometry_intersect_function(
-                handle,
-                Some(user::intersect)
-            ));
-            embree!(set_geometry_occluded_function(handle, Some(user::occluded)));
+            embree!(embree, set_geometry_primitive_count(handle, primitives));
+            embree!(embree, set_geometry_time_step_count(handle, time_steps));
+            embree!(
+                embree,
+                set_geometry_bounds_function(handle, Some(user::bounds))
+            );
+            embree!(
+                embree,
+                set_geometry_intersect_function(handle, Some(user::intersect))
+            );
+            embree!(
+                embree,
+                set_geometry_occluded_function(handle, Some(user::occluded))
+            );
         })?;
         Ok(builder)
     }
 
-    pub(super) fn handle(&self) -> sys::RTCGeometry {
+    pub(super) fn handle(&self) -> *mut CurvetriGeometry {
         self.0.handle
     }
 
@@ -150,14 +157,15 @@ impl fmt::Debug for Geometry {
 impl GeometryBuilder {
     pub(super) fn new(
         device: &Device,
-        kind: RTCGeometryType,
+        kind: u32,
         shape: Option<Arc<dyn UserGeometry>>,
     ) -> Result<Self, Error> {
         // SAFETY: the device is live.
         let handle = attempt("make a geometry", || unsafe {
-            embree!(new_geometry(device.handle(), kind))
+            embree!(device.embree(), new_geometry(device.handle(), kind))
         })?;
         let callbacks = Callbacks {
+            embree: device.embree(),
             shape,
             intersect_filter: None,
             occluded_filter: None,
@@ -172,11 +180,17 @@ impl GeometryBuilder {
             device: device.clone(),
         };
         // SAFETY: the handle is live; the callbacks outlive it.
-        unsafe { embree!(set_geometry_user_data(handle, shared.user_pointer())) };
+        unsafe {
+            embree!(
+                device.embree(),
+                set_geometry_user_data(handle, shared.user_pointer())
+            )
+        };
         // the versions' defaults differ
         Ok(Self {
             shared,
             quality: BuildQuality::Medium,
+            refused: None,
         }
         .mask(!0))
     }
@@ -184,7 +198,7 @@ impl GeometryBuilder {
     /// An instance whose scene and transform are still to be given to Embree.
     pub(super) fn of_instance(
         device: &Device,
-        kind: RTCGeometryType,
+        kind: u32,
         scene: Scene,
         reach: f32,
     ) -> Result<Self, Error> {
@@ -193,15 +207,18 @@ impl GeometryBuilder {
         Ok(builder)
     }
 
-    pub(super) fn handle(&self) -> sys::RTCGeometry {
+    pub(super) fn handle(&self) -> *mut CurvetriGeometry {
         self.shared.handle
     }
 
     /// The mask that a ray's must have a bit in common with to see this geometry; all bits if never
     /// set, in every version of Embree.
     pub fn mask(mut self, mask: u32) -> Self {
+        let (embree, handle) = (self.shared.embree(), self.shared.handle);
         // SAFETY: the handle is a live geometry.
-        unsafe { embree!(set_geometry_mask(self.shared.handle, mask)) };
+        self.set("set a geometry's mask", || unsafe {
+            embree!(embree, set_geometry_mask(handle, mask))
+        });
         self.shared.callbacks.mask = (!self.shared.device.tests_ray_masks()).then_some(mask);
         self
     }
@@ -219,13 +236,14 @@ impl GeometryBuilder {
         filter: impl Fn(&filter::Candidate) -> bool + Send + Sync + 'static,
     ) -> Self {
         self.shared.callbacks.intersect_filter = Some(Box::new(filter));
+        let (embree, handle) = (self.shared.embree(), self.shared.handle);
         // SAFETY: the handle is a live geometry, whose user pointer is that of its callbacks.
-        unsafe {
-            embree!(set_geometry_intersect_filter(
-                self.shared.handle,
-                Some(filter::intersect_filter)
-            ))
-        };
+        self.set("set a geometry's filter", || unsafe {
+            embree!(
+                embree,
+                set_geometry_intersect_filter(handle, Some(filter::intersect_filter))
+            )
+        });
         self
     }
 
@@ -235,49 +253,54 @@ impl GeometryBuilder {
         filter: impl Fn(&filter::Candidate) -> bool + Send + Sync + 'static,
     ) -> Self {
         self.shared.callbacks.occluded_filter = Some(Box::new(filter));
+        let (embree, handle) = (self.shared.embree(), self.shared.handle);
         // SAFETY: the handle is a live geometry, whose user pointer is that of its callbacks.
-        unsafe {
-            embree!(set_geometry_occluded_filter(
-                self.shared.handle,
-                Some(filter::occluded_filter)
-            ))
-        };
+        self.set("set a geometry's filter", || unsafe {
+            embree!(
+                embree,
+                set_geometry_occluded_filter(handle, Some(filter::occluded_filter))
+            )
+        });
         self
+    }
+
+    /// Runs calls to Embree, whose first error is one of [`commit`](Self::commit).
+    fn set(&mut self, doing: &'static str, calls: impl FnOnce()) {
+        if let Err(error) = attempt(doing, calls) {
+            self.refused.get_or_insert(error);
+        }
     }
 
     /// The geometry, not to be changed any more.
     ///
     /// # Errors
-    /// If Embree refuses it.
+    /// If Embree refuses it, or one of its settings.
     pub fn commit(self) -> Result<Geometry, Error> {
-        let handle = self.shared.handle;
+        if let Some(error) = self.refused {
+            return Err(error);
+        }
+        let (embree, handle) = (self.shared.embree(), self.shared.handle);
         // SAFETY: the handle is a live geometry.
         attempt("commit a geometry", || unsafe {
-            embree!(set_geometry_build_quality(handle, self.quality.to_embree()));
-            embree!(commit_geometry(handle));
+            embree!(
+                embree,
+                set_geometry_build_quality(handle, self.quality.to_embree())
+            );
+            embree!(embree, commit_geometry(handle));
         })?;
         Ok(Geometry(Arc::new(self.shared)))
     }
 
     /// Copies items into a buffer that Embree allocates, with the padding its loads need. An item is
     /// what the format says, of four-byte alignment at most.
-    pub(super) fn fill<T: Copy>(
-        &self,
-        kind: RTCBufferType,
-        format: RTCFormat,
-        items: &[T],
-    ) -> Result<(), Error> {
+    pub(super) fn fill<T: Copy>(&self, kind: u32, format: u32, items: &[T]) -> Result<(), Error> {
         let handle = self.shared.handle;
         // SAFETY: the handle is a live geometry of Embree's own.
         let buffer = attempt("allocate a buffer", || unsafe {
-            embree!(set_new_geometry_buffer(
-                handle,
-                kind,
-                0,
-                format,
-                size_of::<T>(),
-                items.len()
-            ))
+            embree!(
+                self.shared.embree(),
+                set_new_geometry_buffer(handle, kind, 0, format, size_of::<T>(), items.len())
+            )
         })?;
         if !items.is_empty() {
             // SAFETY: without an error Embree returns a buffer of that many items of that size,
@@ -291,6 +314,10 @@ impl GeometryBuilder {
 }
 
 impl Shared {
+    fn embree(&self) -> &'static Table {
+        self.device.embree()
+    }
+
     fn user_pointer(&self) -> *mut c_void {
         std::ptr::from_ref::<Callbacks>(&self.callbacks)
             .cast_mut()
@@ -302,7 +329,7 @@ impl Drop for Shared {
     fn drop(&mut self) {
         // SAFETY: the handle is live and not used after this; a scene that also holds it holds a clone
         // of this, so Embree's geometry ends here, before its callbacks.
-        unsafe { embree!(release_geometry(self.handle)) };
+        unsafe { embree!(self.embree(), release_geometry(self.handle)) };
     }
 }
 

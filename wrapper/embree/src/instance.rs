@@ -6,7 +6,8 @@ use super::device::Device;
 use super::error::{Error, attempt};
 use super::geometry::{Geometry, GeometryBuilder};
 use super::scene::Scene;
-use super::sys::{LEVELS, RTCFormat, RTCGeometryType, embree};
+use super::sys::{LEVELS, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, RTC_GEOMETRY_TYPE_INSTANCE};
+use super::table::embree;
 
 /// Embree inverts transforms and transforms rays in f32: what it computes may be larger than what is
 /// computed here by some rounding, never by this factor.
@@ -17,7 +18,7 @@ impl Geometry {
     /// instance is attached to. It may scale, shear and mirror.
     ///
     /// A hit's normal stays in the instanced scene's space, as do the rays that callbacks and filters
-    /// see. Filters belong to the instanced scene's geometries; one set here is never asked.
+    /// see. Filters belong to the instanced scene's geometries: Embree refuses one that is set here.
     ///
     /// # Errors
     /// If the scene is of another device, instances would be nested deeper than the library allows
@@ -37,22 +38,21 @@ impl Geometry {
         }
         let reach = reach(&transform, scene.reach())
             .ok_or_else(|| Error::Transform(format!("{transform}")))?;
-        let kind = RTCGeometryType::RTC_GEOMETRY_TYPE_INSTANCE;
+        let kind = RTC_GEOMETRY_TYPE_INSTANCE;
         let builder = GeometryBuilder::of_instance(device, kind, scene.clone(), reach)?;
+        let embree = device.embree();
         let (geometry, instanced) = (builder.handle(), scene.handle());
         let matrix: [f32; 12] = transform.to_cols_array();
-        let format = RTCFormat::RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR;
+        let format = RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR;
         // SAFETY: both handles are live; the geometry holds a clone of the scene; Embree copies the
         // matrix of twelve numbers.
         attempt("make an instance", || unsafe {
-            embree!(set_geometry_instanced_scene(geometry, instanced));
-            embree!(set_geometry_time_step_count(geometry, 1));
-            embree!(set_geometry_transform(
-                geometry,
-                0,
-                format,
-                matrix.as_ptr().cast()
-            ));
+            embree!(embree, set_geometry_instanced_scene(geometry, instanced));
+            embree!(embree, set_geometry_time_step_count(geometry, 1));
+            embree!(
+                embree,
+                set_geometry_transform(geometry, 0, format, matrix.as_ptr().cast())
+            );
         })?;
         Ok(builder)
     }

@@ -1,22 +1,23 @@
-//! A safe wrapper over the installed Embree, 3.13 or 4.x.
+//! A safe wrapper over Embree, 3.13 or 4.3 and later, that links neither.
 //!
-//! A [`Device`] is Embree itself. [`Geometry`]s are made with it, built step by step and then
+//! Embree's functions come by a [`Table`]: that of `curvetri-embree-linked`, which links the installed Embree, or that
+//! of a program with an Embree of its own. A [`Device`] is Embree itself. [`Geometry`]s are made with it, built step by step and then
 //! committed: triangles, grids and
 //! subdivision surfaces of Embree's own, or anything that Rust code can bound and intersect
 //! ([`UserGeometry`]). A [`SceneBuilder`] puts them under one tree; the [`Scene`] it ends in is immutable
 //! and traced from any number of threads, by packets of 1, 4, 8 or 16 rays ([`RayPacket`]).
 //!
-//! The versions' differences are in `wrapper/shim.c` and do not show here: the same program gives the
-//! same answers with all of them. Errors of Embree are [`Error`]s. A panic in a callback resumes in the
+//! What differs between the versions is data of the table and does not show here: the same program gives the same
+//! answers with all of them. Errors of Embree are [`Error`]s. A panic in a callback resumes in the
 //! function that caused the call. Rays that Debian 12's library would abort the process for
 //! ([`Ray::is_traceable`]) are misses.
 //!
 //! ```
-//! use curvetri_embree::{Device, Geometry, QueryOptions, Ray, RayPacket, SceneBuilder};
+//! use curvetri_embree::{Geometry, QueryOptions, Ray, RayPacket, SceneBuilder};
 //! use glam::Vec3;
 //!
 //! # fn main() -> Result<(), curvetri_embree::Error> {
-//! let device = Device::new()?;
+//! let device = curvetri_embree_linked::device()?;
 //! let triangle = Geometry::triangles(&device, &[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]])?;
 //! let mut builder = SceneBuilder::new(&device)?;
 //! let id = builder.attach(&triangle.commit()?);
@@ -32,6 +33,7 @@
 //! # }
 //! ```
 
+mod bindings;
 mod bounds;
 mod denormals;
 mod device;
@@ -46,11 +48,10 @@ mod ray;
 mod record;
 mod scene;
 mod sys;
+mod table;
 mod user;
 
-#[cfg(test)]
-mod tests;
-
+pub use bindings::table::CurvetriEmbree;
 pub use bounds::Bounds;
 pub use denormals::{FlushedDenormals, flush_denormals};
 pub use device::{Device, Memory, Version};
@@ -62,4 +63,5 @@ pub use packet::{Hits, RayPacket, Rays, Traced, Width};
 pub use query::QueryOptions;
 pub use ray::{Hit, LARGEST_COMPONENT, LEAST_COMPONENT, Ray, SurfaceHit};
 pub use scene::{GeometryId, Scene, SceneBuilder};
+pub use table::{Table, TableError};
 pub use user::{IntersectQuery, OccludedQuery, QueryRays, UserGeometry};

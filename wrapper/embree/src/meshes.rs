@@ -5,7 +5,12 @@ use glam::Vec3;
 use super::device::Device;
 use super::error::{Error, attempt};
 use super::geometry::{Geometry, GeometryBuilder};
-use super::sys::{RTCBufferType, RTCFormat, RTCGeometryType, embree};
+use super::sys::{
+    RTC_BUFFER_TYPE_FACE, RTC_BUFFER_TYPE_GRID, RTC_BUFFER_TYPE_INDEX, RTC_BUFFER_TYPE_VERTEX,
+    RTC_FORMAT_FLOAT3, RTC_FORMAT_GRID, RTC_FORMAT_UINT, RTC_FORMAT_UINT3, RTC_GEOMETRY_TYPE_GRID,
+    RTC_GEOMETRY_TYPE_SUBDIVISION, RTC_GEOMETRY_TYPE_TRIANGLE,
+};
+use super::table::embree;
 
 /// A rectangle of vertices, each four neighbours of which are two flat triangles: one primitive of
 /// [`Geometry::grids`].
@@ -61,19 +66,11 @@ fn check_indices(indices: &[[u32; 3]], vertices: usize) -> Result<(), Error> {
 
 impl GeometryBuilder {
     /// A geometry of Embree's own with these vertices.
-    fn with_vertices(
-        device: &Device,
-        kind: RTCGeometryType,
-        positions: &[Vec3],
-    ) -> Result<Self, Error> {
+    fn with_vertices(device: &Device, kind: u32, positions: &[Vec3]) -> Result<Self, Error> {
         check_count("vertices", positions.len())?;
         let builder = Self::new(device, kind, None)?;
         let positions: &[[f32; 3]] = &positions.iter().map(Vec3::to_array).collect::<Vec<_>>();
-        builder.fill(
-            RTCBufferType::RTC_BUFFER_TYPE_VERTEX,
-            RTCFormat::RTC_FORMAT_FLOAT3,
-            positions,
-        )?;
+        builder.fill(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, positions)?;
         Ok(builder)
     }
 }
@@ -93,13 +90,9 @@ impl Geometry {
     ) -> Result<GeometryBuilder, Error> {
         check_count("triangles", indices.len())?;
         check_indices(indices, positions.len())?;
-        let kind = RTCGeometryType::RTC_GEOMETRY_TYPE_TRIANGLE;
+        let kind = RTC_GEOMETRY_TYPE_TRIANGLE;
         let builder = GeometryBuilder::with_vertices(device, kind, positions)?;
-        builder.fill(
-            RTCBufferType::RTC_BUFFER_TYPE_INDEX,
-            RTCFormat::RTC_FORMAT_UINT3,
-            indices,
-        )?;
+        builder.fill(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, indices)?;
         Ok(builder)
     }
 
@@ -151,13 +144,9 @@ impl Geometry {
                 });
             }
         }
-        let kind = RTCGeometryType::RTC_GEOMETRY_TYPE_GRID;
+        let kind = RTC_GEOMETRY_TYPE_GRID;
         let builder = GeometryBuilder::with_vertices(device, kind, positions)?;
-        builder.fill(
-            RTCBufferType::RTC_BUFFER_TYPE_GRID,
-            RTCFormat::RTC_FORMAT_GRID,
-            grids,
-        )?;
+        builder.fill(RTC_BUFFER_TYPE_GRID, RTC_FORMAT_GRID, grids)?;
         Ok(builder)
     }
 
@@ -179,22 +168,25 @@ impl Geometry {
         if !(1..=Self::FINEST_LEVEL).contains(&level) {
             return Err(Error::Level(level));
         }
-        let kind = RTCGeometryType::RTC_GEOMETRY_TYPE_SUBDIVISION;
+        let kind = RTC_GEOMETRY_TYPE_SUBDIVISION;
         let builder = GeometryBuilder::with_vertices(device, kind, positions)?;
         builder.fill(
-            RTCBufferType::RTC_BUFFER_TYPE_FACE,
-            RTCFormat::RTC_FORMAT_UINT,
+            RTC_BUFFER_TYPE_FACE,
+            RTC_FORMAT_UINT,
             &vec![3_u32; indices.len()],
         )?;
         builder.fill(
-            RTCBufferType::RTC_BUFFER_TYPE_INDEX,
-            RTCFormat::RTC_FORMAT_UINT,
+            RTC_BUFFER_TYPE_INDEX,
+            RTC_FORMAT_UINT,
             indices.as_flattened(),
         )?;
         let handle = builder.handle();
         // SAFETY: the handle is a live subdivision geometry.
         attempt("set the subdivision level", || unsafe {
-            embree!(set_geometry_tessellation_rate(handle, level as f32))
+            embree!(
+                device.embree(),
+                set_geometry_tessellation_rate(handle, level as f32)
+            )
         })?;
         Ok(builder)
     }

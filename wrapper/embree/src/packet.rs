@@ -4,9 +4,10 @@ use std::mem::{offset_of, size_of};
 
 use glam::Vec3;
 
+use super::bindings::{embree_3, embree_4};
 use super::ray::{Hit, LARGEST_COMPONENT, LEAST_COMPONENT, Ray};
 use super::record::HIT_FIELDS;
-use super::sys::{self, INVALID_ID, LEVELS};
+use super::sys::{INVALID_ID, LEVELS};
 
 /// Names a packet's width in bounds: `Width<N>: Traced` holds for 1, 4, 8 and 16.
 pub struct Width<const N: usize>;
@@ -97,7 +98,7 @@ pub struct Hits<const N: usize> {
     pub geom_id: [u32; N],
     /// The instances' numbers by level.
     pub inst_id: [[u32; N]; LEVELS],
-    #[cfg(inst_prim_id)]
+    /// The numbers in instance arrays by level. An Embree without them leaves this alone.
     inst_prim_id: [[u32; N]; LEVELS],
 }
 
@@ -105,24 +106,30 @@ pub struct Hits<const N: usize> {
 const FIELDS: usize = 12 + HIT_FIELDS;
 
 macro_rules! fits_embree {
-    ($width:literal, $ray:ident, $hit:ident, $rayhit:ident) => {
+    ($generation:ident, $width:literal, $ray:ident, $hit:ident, $rayhit:ident) => {
         const _: () = {
-            assert!(size_of::<Rays<$width>>() == size_of::<sys::$ray>());
-            assert!(align_of::<RayPacket<$width>>() >= align_of::<sys::$rayhit>());
-            assert!(offset_of!(RayPacket<$width>, active) >= size_of::<sys::$rayhit>());
+            use $generation::{$hit, $ray, $rayhit};
+            assert!(size_of::<Rays<$width>>() == size_of::<$ray>());
+            assert!(align_of::<RayPacket<$width>>() >= align_of::<$rayhit>());
+            assert!(offset_of!(RayPacket<$width>, active) >= size_of::<$rayhit>());
             assert!(size_of::<Rays<$width>>() + size_of::<Hits<$width>>() == 4 * FIELDS * $width);
-            assert!(offset_of!(RayPacket<$width>, hits) == offset_of!(sys::$rayhit, hit));
-            assert!(offset_of!(Rays<$width>, tnear) == offset_of!(sys::$ray, tnear));
-            assert!(offset_of!(Rays<$width>, dir_x) == offset_of!(sys::$ray, dir_x));
-            assert!(offset_of!(Rays<$width>, tfar) == offset_of!(sys::$ray, tfar));
-            assert!(offset_of!(Rays<$width>, flags) == offset_of!(sys::$ray, flags));
-            assert!(offset_of!(Hits<$width>, ng_x) == offset_of!(sys::$hit, Ng_x));
-            assert!(offset_of!(Hits<$width>, u) == offset_of!(sys::$hit, u));
-            assert!(offset_of!(Hits<$width>, geom_id) == offset_of!(sys::$hit, geomID));
-            assert!(offset_of!(Hits<$width>, inst_id) == offset_of!(sys::$hit, instID));
-            #[cfg(inst_prim_id)]
-            assert!(offset_of!(Hits<$width>, inst_prim_id) == offset_of!(sys::$hit, instPrimID));
+            assert!(offset_of!(RayPacket<$width>, hits) == offset_of!($rayhit, hit));
+            assert!(offset_of!(Rays<$width>, tnear) == offset_of!($ray, tnear));
+            assert!(offset_of!(Rays<$width>, dir_x) == offset_of!($ray, dir_x));
+            assert!(offset_of!(Rays<$width>, tfar) == offset_of!($ray, tfar));
+            assert!(offset_of!(Rays<$width>, flags) == offset_of!($ray, flags));
+            assert!(offset_of!(Hits<$width>, ng_x) == offset_of!($hit, Ng_x));
+            assert!(offset_of!(Hits<$width>, u) == offset_of!($hit, u));
+            assert!(offset_of!(Hits<$width>, geom_id) == offset_of!($hit, geomID));
+            assert!(offset_of!(Hits<$width>, inst_id) == offset_of!($hit, instID));
         };
+    };
+    ($width:literal, $ray:ident, $hit:ident, $rayhit:ident) => {
+        fits_embree!(embree_3, $width, $ray, $hit, $rayhit);
+        fits_embree!(embree_4, $width, $ray, $hit, $rayhit);
+        const _: () = assert!(
+            offset_of!(Hits<$width>, inst_prim_id) == offset_of!(embree_4::$hit, instPrimID)
+        );
     };
 }
 fits_embree!(1, RTCRay, RTCHit, RTCRayHit);
@@ -162,7 +169,6 @@ impl<const N: usize> RayPacket<N> {
             prim_id: [INVALID_ID; N],
             geom_id: [INVALID_ID; N],
             inst_id: [[INVALID_ID; N]; LEVELS],
-            #[cfg(inst_prim_id)]
             inst_prim_id: [[INVALID_ID; N]; LEVELS],
         };
         Self {
@@ -234,10 +240,7 @@ impl<const N: usize> RayPacket<N> {
             prim_id: hits.prim_id[lane],
             geom_id: hits.geom_id[lane],
             inst_id: std::array::from_fn(|level| hits.inst_id[level][lane]),
-            #[cfg(inst_prim_id)]
             inst_prim_id: std::array::from_fn(|level| hits.inst_prim_id[level][lane]),
-            #[cfg(not(inst_prim_id))]
-            inst_prim_id: [INVALID_ID; LEVELS],
         })
     }
 

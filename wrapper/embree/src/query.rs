@@ -8,6 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use super::filter::Filter;
+use super::table::Table;
 
 /// How to trace a packet.
 #[derive(Clone, Copy, Default)]
@@ -44,6 +45,7 @@ type Payload = Box<dyn Any + Send>;
 
 /// A query under way: lives on the stack of the function that asked.
 pub(super) struct Query<'a> {
+    embree: &'static Table,
     filter: Option<&'a Filter<'a>>,
     panicked: Cell<bool>,
     payload: Cell<Option<Payload>>,
@@ -65,8 +67,9 @@ impl Drop for Restore {
 }
 
 /// Runs a query with its filter, and resumes a panic of its callbacks here.
-pub(super) fn run(filter: Option<&Filter<'_>>, call: impl FnOnce()) {
+pub(super) fn run(embree: &'static Table, filter: Option<&Filter<'_>>, call: impl FnOnce()) {
     let query = Query {
+        embree,
         filter,
         panicked: Cell::new(false),
         payload: Cell::new(None),
@@ -93,6 +96,11 @@ impl Query<'_> {
     /// The query's own filter.
     pub(super) fn filter(&self) -> Option<&Filter<'_>> {
         self.filter
+    }
+
+    /// The Embree that runs it.
+    pub(super) fn embree(&self) -> &'static Table {
+        self.embree
     }
 
     fn keep(&self, payload: Payload) {

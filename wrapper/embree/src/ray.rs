@@ -100,13 +100,16 @@ pub struct Hit {
     /// none.
     pub inst_id: [u32; LEVELS],
     /// The number in its instance array by level; [`Hit::NONE`] where there is none, and always with
-    /// Embree 3.
+    /// Embree 3.13.
     pub inst_prim_id: [u32; LEVELS],
 }
 
 impl Hit {
     /// The number that stands for "none" where a geometry or an instance has its number.
     pub const NONE: u32 = INVALID_ID;
+
+    /// Levels of nested instances that a hit tells: as many as distributions build Embree with.
+    pub const LEVELS: usize = LEVELS;
 }
 
 /// A point of a user geometry's surface that a ray meets: what a callback reports.

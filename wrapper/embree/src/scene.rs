@@ -11,7 +11,11 @@ use super::geometry::{BuildQuality, Geometry};
 use super::packet::{RayPacket, Traced, Valid, Width};
 use super::query::{QueryOptions, run};
 use super::ray::{Hit, LARGEST_COMPONENT, Ray};
-use super::sys::{self, RTCSceneFlags, embree};
+use super::sys::{
+    CurvetriQuery, CurvetriScene, RTC_SCENE_FLAG_COMPACT, RTC_SCENE_FLAG_DYNAMIC,
+    RTC_SCENE_FLAG_NONE, RTC_SCENE_FLAG_ROBUST,
+};
+use super::table::{Table, embree};
 
 /// The number of a geometry in its scene, as in [`Hit::geom_id`](super::Hit::geom_id).
 pub type GeometryId = u32;
@@ -24,13 +28,13 @@ pub struct Scene(Arc<Shared>);
 /// A scene in the making; it ends with [`commit`](Self::commit).
 pub struct SceneBuilder {
     shared: Shared,
-    flags: RTCSceneFlags,
+    flags: u32,
     quality: BuildQuality,
     failed: Option<Error>,
 }
 
 struct Shared {
-    handle: sys::RTCScene,
+    handle: *mut CurvetriScene,
     geometries: Vec<Geometry>,
     bounds: Bounds,
     query_filters: bool,
@@ -48,13 +52,13 @@ unsafe impl Send for Shared {}
 // SAFETY: as above.
 unsafe impl Sync for Shared {}
 
-/// `curvetri_intersect` or `curvetri_occluded` of the shim.
+/// The table's `intersect` or `occluded`.
 type QueryFunction = unsafe extern "C" fn(
     u32,
     *const i32,
-    sys::RTCScene,
+    *mut CurvetriScene,
     *mut std::ffi::c_void,
-    *const sys::CurvetriQuery,
+    *const CurvetriQuery,
 );
 
 impl SceneBuilder {
@@ -65,7 +69,7 @@ impl SceneBuilder {
     pub fn new(device: &Device) -> Result<Self, Error> {
         // SAFETY: the device is live.
         let handle = attempt("make a scene", || unsafe {
-            embree!(new_scene(device.handle()))
+            embree!(device.embree(), new_scene(device.handle()))
         })?;
         let shared = Shared {
             handle,
@@ -77,7 +81,7 @@ impl SceneBuilder {
             coherent_shadow_width: 16,
             device: device.clone(),
         };
-        let flags = RTCSceneFlags::RTC_SCENE_FLAG_NONE;
+        let flags = RTC_SCENE_FLAG_NONE;
         Ok(Self {
             shared,
             flags,
@@ -88,32 +92,31 @@ impl SceneBuilder {
 
     /// Triangles without gaps at their sides, a little slower. User geometry is not affected.
     pub fn robust(self, on: bool) -> Self {
-        self.flag(RTCSceneFlags::RTC_SCENE_FLAG_ROBUST, on)
+        self.flag(RTC_SCENE_FLAG_ROBUST, on)
     }
 
     /// A smaller tree, a little slower.
     pub fn compact(self, on: bool) -> Self {
-        self.flag(RTCSceneFlags::RTC_SCENE_FLAG_COMPACT, on)
+        self.flag(RTC_SCENE_FLAG_COMPACT, on)
     }
 
     /// A tree that is quicker to build and slower to trace, for scenes made anew every frame.
     pub fn dynamic(self, on: bool) -> Self {
-        self.flag(RTCSceneFlags::RTC_SCENE_FLAG_DYNAMIC, on)
+        self.flag(RTC_SCENE_FLAG_DYNAMIC, on)
     }
 
     /// Allows queries to bring a [filter](QueryOptions::filter), which costs triangles a little.
     pub fn query_filters(mut self, on: bool) -> Self {
         self.shared.query_filters = on;
-        // SAFETY: a plain function of the shim.
-        let flag = RTCSceneFlags(unsafe { sys::curvetri_query_filter_scene_flag() });
+        let flag = self.shared.embree().functions().query_filter_scene_flag;
         self.flag(flag, on)
     }
 
-    fn flag(mut self, flag: RTCSceneFlags, on: bool) -> Self {
-        self.flags.0 = if on {
-            self.flags.0 | flag.0
+    fn flag(mut self, flag: u32, on: bool) -> Self {
+        self.flags = if on {
+            self.flags | flag
         } else {
-            self.flags.0 & !flag.0
+            self.flags & !flag
         };
         self
     }
@@ -136,7 +139,7 @@ impl SceneBuilder {
         let (scene, handle) = (self.shared.handle, geometry.handle());
         // SAFETY: both are live and of the same device.
         let attached = attempt("attach a geometry", || unsafe {
-            embree!(attach_geometry(scene, handle))
+            embree!(self.shared.embree(), attach_geometry(scene, handle))
         });
         match attached {
             Ok(number) => debug_assert_eq!(number, id),
@@ -159,7 +162,7 @@ impl SceneBuilder {
             return Err(error);
         }
         let mut shared = self.shared;
-        let handle = shared.handle;
+        let (embree, handle) = (shared.embree(), shared.handle);
         if shared.query_filters && !shared.instanced().all(|scene| scene.0.query_filters) {
             return Err(Error::QueryFilters);
         }
@@ -180,15 +183,18 @@ impl SceneBuilder {
             .collect();
         // Debian 12's 3.13.5 was miscompiled there: on processors with AVX-512, rtcOccluded16 of
         // coherent rays may never return from instances, nor from compact robust triangles.
-        let compact = self.flags.0 & RTCSceneFlags::RTC_SCENE_FLAG_COMPACT.0 != 0;
-        if cfg!(embree3) && (shared.depth > 0 || compact) {
+        let compact = self.flags & RTC_SCENE_FLAG_COMPACT != 0;
+        if shared.device.version().major == 3 && (shared.depth > 0 || compact) {
             shared.coherent_shadow_width = 8;
         }
         // SAFETY: the handle is a live scene that nobody else has.
         let built = attempt("commit the scene", || unsafe {
-            embree!(set_scene_flags(handle, self.flags));
-            embree!(set_scene_build_quality(handle, self.quality.to_embree()));
-            embree!(commit_scene(handle));
+            embree!(embree, set_scene_flags(handle, self.flags));
+            embree!(
+                embree,
+                set_scene_build_quality(handle, self.quality.to_embree())
+            );
+            embree!(embree, commit_scene(handle));
         });
         for (geometry, before) in shared.geometries.iter().zip(before) {
             geometry.build_panics().resume(before);
@@ -197,7 +203,7 @@ impl SceneBuilder {
         let mut bounds = Bounds::EMPTY.to_embree();
         // SAFETY: the scene is committed.
         attempt("bound the scene", || unsafe {
-            embree!(get_scene_bounds(handle, &mut bounds))
+            embree!(embree, get_scene_bounds(handle, &mut bounds))
         })?;
         shared.bounds = Bounds::from_embree(&bounds);
         Ok(Scene(Arc::new(shared)))
@@ -226,7 +232,7 @@ impl Scene {
         self.0.depth
     }
 
-    pub(super) fn handle(&self) -> sys::RTCScene {
+    pub(super) fn handle(&self) -> *mut CurvetriScene {
         self.0.handle
     }
 
@@ -252,7 +258,7 @@ impl Scene {
         self.trace(
             packet,
             options,
-            sys::curvetri_intersect,
+            self.0.embree().functions().intersect,
             self.0.device.native_width(),
         );
     }
@@ -278,7 +284,7 @@ impl Scene {
         } else {
             native
         };
-        let traced = self.trace(packet, options, sys::curvetri_occluded, width);
+        let traced = self.trace(packet, options, self.0.embree().functions().occluded, width);
         (0..N)
             .filter(|&lane| packet.rays.tfar[lane] == f32::NEG_INFINITY)
             .fold(0, |occluded, lane| occluded | 1 << lane)
@@ -309,7 +315,7 @@ impl Scene {
         &self,
         packet: &mut RayPacket<N>,
         options: &QueryOptions<'_>,
-        function: QueryFunction,
+        function: Option<QueryFunction>,
         widest: usize,
     ) -> u32
     where
@@ -323,11 +329,12 @@ impl Scene {
         if lanes == 0 {
             return 0;
         }
-        let query = sys::CurvetriQuery {
+        let function = function.expect("a table has every function");
+        let query = CurvetriQuery {
             coherent: u32::from(options.coherent && !packet.leads_hardly_back()),
             filter: options.filter.map(|_| query_filter as _),
         };
-        run(options.filter, || match widest {
+        run(self.0.embree(), options.filter, || match widest {
             widest if N <= widest => self.call(packet, lanes, &query, function),
             8 => self.call_in_parts::<N, 8>(packet, lanes, &query, function),
             4 => self.call_in_parts::<N, 4>(packet, lanes, &query, function),
@@ -343,7 +350,7 @@ impl Scene {
         &self,
         packet: &mut RayPacket<N>,
         lanes: u32,
-        query: &sys::CurvetriQuery,
+        query: &CurvetriQuery,
         function: QueryFunction,
     ) {
         for first in (0..N).step_by(M) {
@@ -360,7 +367,7 @@ impl Scene {
         &self,
         packet: &mut RayPacket<N>,
         lanes: u32,
-        query: &sys::CurvetriQuery,
+        query: &CurvetriQuery,
         function: QueryFunction,
     ) {
         let valid = Valid::<N>::of(lanes);
@@ -382,6 +389,10 @@ impl fmt::Debug for Scene {
 }
 
 impl Shared {
+    fn embree(&self) -> &'static Table {
+        self.device.embree()
+    }
+
     fn instanced(&self) -> impl Iterator<Item = &Scene> {
         self.geometries.iter().filter_map(Geometry::instanced_scene)
     }
@@ -391,6 +402,6 @@ impl Drop for Shared {
     fn drop(&mut self) {
         // SAFETY: the handle is live and not used after this. An instance of the scene holds a clone
         // of this, so Embree's scene ends here, before its geometries.
-        unsafe { embree!(release_scene(self.handle)) };
+        unsafe { embree!(self.embree(), release_scene(self.handle)) };
     }
 }

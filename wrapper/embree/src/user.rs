@@ -9,8 +9,11 @@ use super::geometry::Callbacks;
 use super::packet::{read_valid, write_valid};
 use super::query::{Query, callback};
 use super::ray::{Ray, SurfaceHit};
-use super::record::{Call, Record};
-use super::sys::{self, INVALID_ID, LEVELS};
+use super::record::Record;
+use super::sys::{
+    CurvetriBoundsCall, CurvetriCall, CurvetriCandidate, CurvetriFilterFunction, INVALID_ID, LEVELS,
+};
+use super::table::{Table, embree};
 
 /// A surface made of numbered primitives that Rust code bounds and intersects.
 ///
@@ -46,28 +49,24 @@ pub trait UserGeometry: Send + Sync {
 /// (Embree has compared their masks). Rays of other lanes may hold anything. In packets a valid ray
 /// need not meet the primitive's box.
 pub struct QueryRays<'a> {
+    embree: &'static Table,
+    // Embree's own, never a copy
+    call: *const CurvetriCall,
     rays: *mut f32,
     width: usize,
     valid: u32,
     prim_id: u32,
     geom_id: u32,
     filtered: Filtered,
+    accepted: u32,
     packet: PhantomData<&'a mut f32>,
 }
 
 /// A query for the nearest hit.
-pub struct IntersectQuery<'a> {
-    rays: QueryRays<'a>,
-    args: *const sys::RTCIntersectFunctionNArguments,
-    accepted: u32,
-}
+pub struct IntersectQuery<'a>(QueryRays<'a>);
 
 /// A query for any hit.
-pub struct OccludedQuery<'a> {
-    rays: QueryRays<'a>,
-    args: *const sys::RTCOccludedFunctionNArguments,
-    accepted: u32,
-}
+pub struct OccludedQuery<'a>(QueryRays<'a>);
 
 /// Whether hits need to be shown to filters.
 #[derive(Clone, Copy)]
@@ -181,8 +180,8 @@ impl QueryRays<'_> {
         self.field(8)
     }
 
-    /// Shortens the lane's ray to a hit and shows that to the filters, if `filters` is some. Returns
-    /// the hit to write if it counts; otherwise the ray is as before.
+    /// Shortens the lane's ray to a hit and shows that to the filters, if there are any. Returns the hit to write if
+    /// it counts; otherwise the ray is as before.
     ///
     /// # Panics
     /// If there is no such lane.
@@ -190,26 +189,35 @@ impl QueryRays<'_> {
         &mut self,
         lane: usize,
         hit: &SurfaceHit,
-        call: Call,
-        filters: Option<impl FnOnce(*const sys::RTCFilterFunctionNArguments)>,
+        filters: impl FnOnce(*const CurvetriCandidate),
     ) -> Option<Record> {
         let (tnear, tfar) = (self.tnear()[lane], self.tfar()[lane]);
         let on_ray = hit.t >= tnear && hit.t <= tfar && hit.t < f32::INFINITY;
         if self.valid & 1 << lane == 0 || !on_ray {
             return None;
         }
-        // SAFETY: the call is Embree's, under way.
-        let record = unsafe { Record::new(hit, self.prim_id, self.geom_id, call) };
+        // SAFETY: Embree's arguments live as long as `self`.
+        let call = unsafe { &*self.call };
+        // SAFETY: the call is that of a callback of this Embree.
+        let record = unsafe { Record::new(hit, self.prim_id, self.geom_id, call, self.embree) };
         self.set_tfar(lane, hit.t);
-        let Some(filters) = filters else {
-            return Some(record);
+        let accepted = if self.filtered.any {
+            // SAFETY: the rays are the call's packet of `width` lanes, `lane` one of them.
+            unsafe { record.filtered(self.rays, (self.width, lane), call, self.embree, filters) }
+        } else {
+            Some(record)
         };
-        // SAFETY: the rays are a packet of `width` lanes, `lane` one of them.
-        let kept = unsafe { record.filtered(self.rays, self.width, lane, call, filters) };
-        if kept.is_none() {
+        if accepted.is_some() {
+            self.accepted |= 1 << lane;
+        } else {
             self.set_tfar(lane, tfar);
         }
-        kept
+        accepted
+    }
+
+    /// The query's own filter, if it has one.
+    fn query_filter(&self) -> CurvetriFilterFunction {
+        self.filtered.by_query.then_some(query_filter as _)
     }
 
     fn set_tfar(&mut self, lane: usize, t: f32) {
@@ -223,13 +231,13 @@ impl<'a> Deref for IntersectQuery<'a> {
     type Target = QueryRays<'a>;
 
     fn deref(&self) -> &QueryRays<'a> {
-        &self.rays
+        &self.0
     }
 }
 
 impl DerefMut for IntersectQuery<'_> {
     fn deref_mut(&mut self) -> &mut Self::Target {
-        &mut self.rays
+        &mut self.0
     }
 }
 
@@ -237,13 +245,13 @@ impl<'a> Deref for OccludedQuery<'a> {
     type Target = QueryRays<'a>;
 
     fn deref(&self) -> &QueryRays<'a> {
-        &self.rays
+        &self.0
     }
 }
 
 impl DerefMut for OccludedQuery<'_> {
     fn deref_mut(&mut self) -> &mut Self::Target {
-        &mut self.rays
+        &mut self.0
     }
 }
 
@@ -261,27 +269,18 @@ impl IntersectQuery<'_> {
         if hit.t == self.tfar()[lane] && self.comes_after_its_hit(lane) {
             return false;
         }
-        let (args, filtered) = (self.args, self.rays.filtered);
-        // SAFETY: Embree's arguments live as long as `self`.
-        let call = unsafe {
-            Call {
-                context: (*args).context,
-                user: (*args).geometryUserPtr,
-            }
+        let (embree, call, query_filter) = (self.embree, self.call, self.query_filter());
+        let filters = |candidate: *const CurvetriCandidate| {
+            // SAFETY: `call` is Embree's own struct and the candidate is complete.
+            unsafe { embree!(embree, filter_intersect(call, candidate, query_filter)) }
         };
-        let filters = filtered.any.then_some(|candidate| {
-            let by_query = filtered.by_query.then_some(query_filter as _);
-            // SAFETY: `args` is Embree's own struct and the candidate is complete.
-            unsafe { sys::curvetri_filter_intersect(args, candidate, by_query) }
-        });
-        let Some(record) = self.rays.offer(lane, &hit, call, filters) else {
+        let Some(record) = self.0.offer(lane, &hit, filters) else {
             return false;
         };
-        let width = self.rays.width;
-        // SAFETY: the hits of an intersect query lie behind the twelve fields of its rays, and have
-        // `width` lanes, of which `lane` is one: `offer` checked.
-        unsafe { record.write(self.rays.rays.add(12 * width), width, lane) };
-        self.accepted |= 1 << lane;
+        let width = self.width;
+        // SAFETY: the hits of an intersect query lie behind the twelve fields of its rays, and have `width` lanes, of
+        // which `lane` is one: `offer` checked.
+        unsafe { record.write(self.rays.add(12 * width), width, lane, embree) };
         true
     }
 
@@ -292,20 +291,14 @@ impl IntersectQuery<'_> {
         let field = |field: usize| {
             // SAFETY: the hits of an intersect query lie behind the twelve fields of its rays, and
             // have `width` lanes, of which `lane` is one.
-            unsafe {
-                *self
-                    .rays
-                    .rays
-                    .cast::<u32>()
-                    .add((12 + field) * width + lane)
-            }
+            unsafe { *self.rays.cast::<u32>().add((12 + field) * width + lane) }
         };
         let (prim_id, geom_id) = (field(5), field(6));
         if geom_id == INVALID_ID {
             return false;
         }
         // SAFETY: Embree passes a context to every callback, also where the query has none.
-        let inst_id = unsafe { (*(*self.args).context).instID };
+        let [inst_id, _] = unsafe { self.embree.instance_ids((*self.call).context) };
         let old_inst_id: [u32; LEVELS] = std::array::from_fn(|level| field(7 + level));
         (old_inst_id, geom_id, prim_id) < (inst_id, self.geom_id, self.prim_id)
     }
@@ -318,25 +311,16 @@ impl OccludedQuery<'_> {
     /// # Panics
     /// If there is no such lane.
     pub fn report(&mut self, lane: usize, hit: SurfaceHit) -> bool {
-        let (args, filtered) = (self.args, self.rays.filtered);
-        // SAFETY: Embree's arguments live as long as `self`.
-        let call = unsafe {
-            Call {
-                context: (*args).context,
-                user: (*args).geometryUserPtr,
-            }
+        let (embree, call, query_filter) = (self.embree, self.call, self.query_filter());
+        let filters = |candidate: *const CurvetriCandidate| {
+            // SAFETY: `call` is Embree's own struct and the candidate is complete.
+            unsafe { embree!(embree, filter_occluded(call, candidate, query_filter)) }
         };
-        let filters = filtered.any.then_some(|candidate| {
-            let by_query = filtered.by_query.then_some(query_filter as _);
-            // SAFETY: `args` is Embree's own struct and the candidate is complete.
-            unsafe { sys::curvetri_filter_occluded(args, candidate, by_query) }
-        });
-        if self.rays.offer(lane, &hit, call, filters).is_none() {
+        if self.0.offer(lane, &hit, filters).is_none() {
             return false;
         }
-        self.rays.set_tfar(lane, f32::NEG_INFINITY);
-        self.rays.valid &= !(1 << lane);
-        self.accepted |= 1 << lane;
+        self.set_tfar(lane, f32::NEG_INFINITY);
+        self.valid &= !(1 << lane);
         true
     }
 }
@@ -353,79 +337,76 @@ impl Filtered {
 }
 
 /// The bounds function of every user geometry.
-pub(super) unsafe extern "C" fn bounds(args: *const sys::RTCBoundsFunctionArguments) {
-    // SAFETY: Embree's arguments live for the call, the callbacks as long as the geometry.
-    let (args, callbacks) = unsafe { (&*args, &*(*args).geometryUserPtr.cast::<Callbacks>()) };
+pub(super) unsafe extern "C" fn bounds(call: *const CurvetriBoundsCall) {
+    // SAFETY: Embree's arguments live for the call.
+    let call = unsafe { &*call };
+    // SAFETY: the callbacks live as long as the geometry.
+    let callbacks = unsafe { &*call.user.cast::<Callbacks>() };
     let bounds = callbacks
         .build_panics
-        .callback(|| callbacks.shape().bounds(args.primID, args.timeStep))
+        .callback(|| callbacks.shape().bounds(call.prim_id, call.time_step))
         .unwrap_or(Bounds::EMPTY);
     // SAFETY: Embree passes where to write the box.
-    unsafe { *args.bounds_o = bounds.to_embree() };
+    unsafe { *call.bounds = bounds.to_embree() };
 }
 
 /// The intersect function of every user geometry.
-pub(super) unsafe extern "C" fn intersect(args: *const sys::RTCIntersectFunctionNArguments) {
-    // SAFETY: Embree's arguments live for the call.
-    let call = unsafe { &*args };
-    // SAFETY: the callbacks live as long as the geometry.
-    let callbacks = unsafe { &*call.geometryUserPtr.cast::<Callbacks>() };
-    let width = call.N as usize;
-    let accepted = callback(|query| {
-        // SAFETY: the packet and its mask have `width` lanes and live for the call.
-        let rays = unsafe {
-            QueryRays {
-                rays: call.rayhit.cast(),
-                width,
-                valid: callbacks.seen(call.rayhit.cast(), width, read_valid(call.valid, width)),
-                prim_id: call.primID,
-                geom_id: call.geomID,
-                filtered: Filtered::new(callbacks, query),
-                packet: PhantomData,
-            }
-        };
-        let mut query = IntersectQuery {
-            rays,
-            args,
-            accepted: 0,
-        };
-        callbacks.shape().intersect(&mut query);
-        query.accepted
-    });
-    // Embree 4's contract: the callback says which lanes it found a hit for. Embree 3 does not look.
-    // SAFETY: as above.
-    unsafe { write_valid(call.valid, width, accepted.unwrap_or(0)) };
+pub(super) unsafe extern "C" fn intersect(call: *const CurvetriCall) {
+    // SAFETY: as this function's caller promises.
+    unsafe {
+        answer(call, |shape, rays| {
+            let mut query = IntersectQuery(rays);
+            shape.intersect(&mut query);
+            query.accepted
+        })
+    }
 }
 
 /// The occluded function of every user geometry.
-pub(super) unsafe extern "C" fn occluded(args: *const sys::RTCOccludedFunctionNArguments) {
+pub(super) unsafe extern "C" fn occluded(call: *const CurvetriCall) {
+    // SAFETY: as this function's caller promises.
+    unsafe {
+        answer(call, |shape, rays| {
+            let mut query = OccludedQuery(rays);
+            shape.occluded(&mut query);
+            query.accepted
+        })
+    }
+}
+
+/// Runs a callback of either kind: asks for the lanes that a hit was found for, and says so to Embree.
+///
+/// # Safety
+/// `call` is what Embree passes to a callback of a geometry of ours.
+unsafe fn answer(
+    call: *const CurvetriCall,
+    ask: impl FnOnce(&dyn UserGeometry, QueryRays<'_>) -> u32,
+) {
     // SAFETY: Embree's arguments live for the call.
-    let call = unsafe { &*args };
+    let args = unsafe { &*call };
     // SAFETY: the callbacks live as long as the geometry.
-    let callbacks = unsafe { &*call.geometryUserPtr.cast::<Callbacks>() };
-    let width = call.N as usize;
+    let callbacks = unsafe { &*args.user.cast::<Callbacks>() };
+    let (rays, width) = (args.rays.cast::<f32>(), args.width as usize);
     let accepted = callback(|query| {
-        // SAFETY: the packet and its mask have `width` lanes and live for the call.
-        let rays = unsafe {
-            QueryRays {
-                rays: call.ray.cast(),
-                width,
-                valid: callbacks.seen(call.ray.cast(), width, read_valid(call.valid, width)),
-                prim_id: call.primID,
-                geom_id: call.geomID,
-                filtered: Filtered::new(callbacks, query),
-                packet: PhantomData,
-            }
-        };
-        let mut query = OccludedQuery {
+        // SAFETY: the mask has `width` lanes and lives for the call.
+        let valid = unsafe { read_valid(args.valid, width) };
+        // SAFETY: the packet has `width` lanes and lives for the call.
+        let valid = unsafe { callbacks.seen(rays, width, valid) };
+        let rays = QueryRays {
+            embree: callbacks.embree,
+            call,
             rays,
-            args,
+            width,
+            valid,
+            prim_id: args.prim_id,
+            geom_id: args.geom_id,
+            filtered: Filtered::new(callbacks, query),
             accepted: 0,
+            packet: PhantomData,
         };
-        callbacks.shape().occluded(&mut query);
-        query.accepted
+        ask(callbacks.shape(), rays)
     });
-    // Embree 4's contract: the callback says which lanes it found a hit for. Embree 3 does not look.
-    // SAFETY: as above.
-    unsafe { write_valid(call.valid, width, accepted.unwrap_or(0)) };
+    // Embree 4's contract: the callback says which lanes it found a hit for. Embree 3.13 does not look.
+    // SAFETY: the mask has room for `width` lanes.
+    unsafe { write_valid(args.valid, width, accepted.unwrap_or(0)) };
 }

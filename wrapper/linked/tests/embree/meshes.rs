@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::packets::devices;
 use super::sphere::*;
-use crate::*;
+use curvetri_embree::*;
 
 /// The unit square at z = 1 as a grid of 4 by 3 vertices, with a vertex before it and one more a row.
 fn grid() -> (Vec<Vec3>, Grid) {
@@ -102,7 +102,7 @@ fn quadrangles_of_a_grid_fold_along_the_diagonal_that_is_promised() {
 
 #[test]
 fn grids_out_of_range_are_refused() {
-    let device = Device::new().unwrap();
+    let device = linked::device().unwrap();
     let (vertices, good) = grid();
     for grid in [
         Grid { first: 3, ..good },
@@ -167,7 +167,7 @@ fn a_subdivision_surface_is_round_and_inside_its_mesh() {
 
 #[test]
 fn what_no_subdivision_can_be_made_of_is_refused() {
-    let device = Device::new().unwrap();
+    let device = linked::device().unwrap();
     let (vertices, faces) = octahedron();
     for level in [0, Geometry::FINEST_LEVEL + 1] {
         let refused = Geometry::subdivision(&device, &vertices, &faces, level).err();

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::packets::devices;
 use super::sphere::*;
-use crate::*;
+use curvetri_embree::*;
 
 fn check_widths(device: &Device, build: impl Fn(SceneBuilder) -> SceneBuilder) {
     // a square in the plane z = 1, of two triangles
@@ -83,7 +83,7 @@ fn triangles_are_hit_where_they_are() {
 
 #[test]
 fn indices_out_of_range_are_refused() {
-    let device = Device::new().unwrap();
+    let device = linked::device().unwrap();
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
     let refused = Geometry::triangles(&device, &corners, &[[0, 1, 2], [0, 3, 1]]).err();
     assert_eq!(

@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use super::packets::devices;
 use super::sphere::*;
-use crate::*;
+use curvetri_embree::*;
 
 /// A row of spheres whose functions panic where told to.
 struct Explosive {
@@ -120,7 +120,7 @@ fn panics_of_a_geometry_resume_in_the_query() {
 #[test]
 fn panics_of_bounds_resume_in_commit() {
     for threads in ["threads=1", "threads=4"] {
-        let device = Device::with_config(threads).unwrap();
+        let device = linked::device_with_config(threads).unwrap();
         let shape = Explosive::new();
         let geometry = Geometry::user(&device, shape.clone())
             .unwrap()

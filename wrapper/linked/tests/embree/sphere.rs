@@ -6,7 +6,8 @@ use glam::Vec3;
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 
-use crate::*;
+use curvetri_embree::*;
+pub use curvetri_embree_linked as linked;
 
 /// One primitive a sphere.
 pub struct Spheres(pub Vec<(Vec3, f32)>);

@@ -1,7 +1,8 @@
-//! Finds the installed Embree, compiles the shim over it (`shim/`) and links both.
+//! Finds the installed Embree, compiles the shim that fills its table (`shim/`) and links both.
 //!
-//! `EMBREE_DIR`, a prefix with `include/` and `lib/`, goes before the system's Embree. With `DOCS_RS`
-//! set nothing is compiled or linked: the documentation is that of Embree 4.3.
+//! `EMBREE_DIR`, a prefix with `include/` and `lib/`, goes before the system's Embree. A build script of a package
+//! that depends on this one finds that `lib/` in `DEP_EMBREE_LIB`, for its programs' run-time path. With `DOCS_RS` set
+//! nothing is compiled or linked.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -17,32 +18,22 @@ struct Embree {
     major: u32,
     /// `RTC_VERSION` of its headers, as in 31305.
     version: u32,
-    /// Levels of nested instances it was built for.
-    levels: u32,
-    /// Whether its hits carry `instPrimID`.
-    inst_prim_id: bool,
     /// The prefix given by `EMBREE_DIR`.
     prefix: Option<PathBuf>,
 }
 
 fn main() {
-    for watched in ["build.rs", "shim"] {
+    for watched in ["build.rs", "include", "shim"] {
         println!("cargo::rerun-if-changed={watched}");
     }
     for watched in ["EMBREE_DIR", "DOCS_RS"] {
         println!("cargo::rerun-if-env-changed={watched}");
     }
-    println!("cargo::rustc-check-cfg=cfg(embree3, embree4, inst_prim_id, embree_bindgen)");
     if env::var_os("DOCS_RS").is_some() {
-        println!("cargo::rustc-cfg=embree4");
-        println!("cargo::rustc-cfg=inst_prim_id");
         return;
     }
     let embree = find().unwrap_or_else(|message| fail(&message));
-    println!("cargo::rustc-cfg=embree{}", embree.major);
-    if embree.inst_prim_id {
-        println!("cargo::rustc-cfg=inst_prim_id");
-    }
+    #[cfg(feature = "bindgen")]
     bind(&embree);
     compile(&embree);
     link(&embree);
@@ -97,7 +88,7 @@ fn probe(major: u32, prefix: Option<PathBuf>) -> Result<Option<Embree>, String> 
         .iter()
         .filter_map(|word| word.parse().ok())
         .collect();
-    let &[version, levels, arrays] = numbers.as_slice() else {
+    let &[version, levels] = numbers.as_slice() else {
         return Err(format!(
             "Embree's headers give no version: {:?}",
             &words[at..]
@@ -110,13 +101,18 @@ fn probe(major: u32, prefix: Option<PathBuf>) -> Result<Option<Embree>, String> 
     let embree = Embree {
         major,
         version,
-        levels,
-        inst_prim_id: arrays == 1,
         prefix,
     };
     if version < 31300 || (40000..40300).contains(&version) {
         return Err(format!(
             "the Embree found is {}; {MISSING}",
+            dotted(version)
+        ));
+    }
+    if levels != 1 {
+        return Err(format!(
+            "the Embree found ({}) was built for {levels} levels of nested instances, but curvetri takes 1: set \
+             EMBREE_DIR to one that was built with EMBREE_MAX_INSTANCE_LEVEL_COUNT=1, as distributions do",
             dotted(version)
         ));
     }
@@ -156,9 +152,10 @@ fn compiler(major: u32, prefix: Option<&Path>) -> cc::Build {
 
 fn compile(embree: &Embree) {
     compiler(embree.major, embree.prefix.as_deref())
-        .files(["shim/shim.c", "shim/linked.c"])
+        .file("shim/linked.c")
+        .include("include")
         .warnings(true)
-        .compile("curvetri_shim");
+        .compile("curvetri_linked_embree");
 }
 
 fn link(embree: &Embree) {
@@ -182,60 +179,58 @@ fn link(embree: &Embree) {
             ));
         };
         println!("cargo::rustc-link-search=native={}", lib.display());
+        // for this package's own tests
         println!("cargo::rustc-link-arg=-Wl,-rpath,{}", lib.display());
+        println!("cargo::metadata=lib={}", lib.display());
     }
+    println!("cargo::rustc-link-lib=embree{}", embree.major);
     println!("cargo::metadata=version={}", dotted(embree.version));
 }
 
-/// The committed bindings fit Embree as distributions build it.
-#[cfg(not(feature = "bindgen"))]
-fn bind(embree: &Embree) {
-    if embree.levels != 1 || embree.inst_prim_id != (embree.major == 4) {
-        fail(&format!(
-            "the Embree found ({}) was built with {} instance levels and {} instance arrays, which \
-             changes its structures: build curvetri with the feature `bindgen` (it needs libclang)",
-            dotted(embree.version),
-            embree.levels,
-            if embree.inst_prim_id {
-                "with"
-            } else {
-                "without"
-            },
-        ));
-    }
-}
-
-/// Generates what `ci/bindings.sh` compares with the committed bindings.
+/// Generates what `ci/bindings.sh` compares with the committed bindings in `curvetri-embree`: those of Embree's own
+/// types (`embree_3.rs`, `embree_4.rs`) and of the table (`table.rs`).
 #[cfg(feature = "bindgen")]
 fn bind(embree: &Embree) {
     let plain = bindgen::EnumVariation::NewType {
         is_bitfield: false,
         is_global: false,
     };
-    let mut builder = bindgen::Builder::default()
-        .header("shim/shim.h")
+    let builder = || {
+        bindgen::Builder::default()
+            .default_enum_style(plain)
+            .prepend_enum_name(false)
+            .generate_comments(false)
+            .layout_tests(true)
+            .rust_edition(bindgen::RustEdition::Edition2024)
+            .formatter(bindgen::Formatter::Prettyplease)
+    };
+    let mut types = builder()
+        .header("shim/embree.h")
         .clang_arg(format!("-DCURVETRI_EMBREE={}", embree.major))
-        .allowlist_function("curvetri_.*")
-        .allowlist_type("Curvetri.*|RTCRay|RTCHit|RTCRayHit|RTC(Ray|Hit|RayHit)(4|8|16)")
-        .allowlist_type(
-            "RTCDeviceProperty|RTC(Bounds|Filter|Intersect|Occluded)Function.*Arguments",
-        )
-        .allowlist_var("RTC_MAX_(INSTANCE_LEVEL|TIME_STEP)_COUNT|RTC_VERSION_M.*")
-        .default_enum_style(plain)
         .bitfield_enum("RTC.*Flags")
-        .prepend_enum_name(false)
-        .generate_comments(false)
-        .layout_tests(true)
-        .rust_edition(bindgen::RustEdition::Edition2024)
-        .formatter(bindgen::Formatter::Prettyplease);
+        .allowlist_type("RTC(Ray|Hit|RayHit)(4|8|16)?|RTC(Intersect|RayQuery)Context")
+        .allowlist_type("RTC(Bounds|(Bounds|Filter|Intersect|Occluded)Function.*Arguments)")
+        .allowlist_type(
+            "RTC(BufferType|BuildQuality|DeviceProperty|Error|Format|GeometryType|SceneFlags)",
+        )
+        .allowlist_var("RTC_MAX_(INSTANCE_LEVEL|TIME_STEP)_COUNT|RTC_VERSION_M.*");
     if let Some(prefix) = &embree.prefix {
-        builder = builder.clang_arg(format!("-I{}", prefix.join("include").display()));
+        types = types.clang_arg(format!("-I{}", prefix.join("include").display()));
     }
-    let out = PathBuf::from(env::var_os("OUT_DIR").unwrap()).join("bindings.rs");
-    builder
-        .generate()
-        .unwrap_or_else(|error| fail(&format!("bindgen cannot read Embree's headers: {error}")))
-        .write_to_file(&out)
-        .unwrap_or_else(|error| fail(&format!("{}: {error}", out.display())));
-    println!("cargo::rustc-cfg=embree_bindgen");
+    let table = builder()
+        .header("include/curvetri_table.h")
+        .allowlist_file(".*curvetri_table.h");
+    let out = PathBuf::from(env::var_os("OUT_DIR").unwrap());
+    for (builder, name) in [
+        (types, format!("embree_{}.rs", embree.major)),
+        (table, "table.rs".to_owned()),
+    ] {
+        let path = out.join(name);
+        let bindings = builder
+            .generate()
+            .unwrap_or_else(|error| fail(&format!("bindgen cannot read the headers: {error}")));
+        if let Err(error) = bindings.write_to_file(&path) {
+            fail(&format!("{}: {error}", path.display()));
+        }
+    }
 }

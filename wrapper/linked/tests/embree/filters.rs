@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::packets::devices;
 use super::sphere::*;
-use crate::*;
+use curvetri_embree::*;
 
 /// Rays down a row of three spheres and three triangles, some meeting all, some none.
 fn rays() -> Vec<Ray> {
@@ -158,7 +158,7 @@ fn a_hit_needs_both_filters() {
 #[test]
 #[should_panic(expected = "a query filter needs a scene made with")]
 fn a_query_filter_needs_a_scene_made_for_it() {
-    let device = Device::new().unwrap();
+    let device = linked::device().unwrap();
     let scene = sphere_scene(&device, spheres());
     let mut packet = RayPacket::<1>::from_rays(&rays()[..1]);
     scene.intersect(&mut packet, &QueryOptions::default().with_filter(&|_| true));

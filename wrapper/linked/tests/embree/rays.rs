@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::packets::devices;
 use super::sphere::*;
-use crate::*;
+use curvetri_embree::*;
 
 fn unit_sphere() -> Arc<Spheres> {
     Arc::new(Spheres(vec![(Vec3::ZERO, 1.0)]))
@@ -193,7 +193,7 @@ impl UserGeometry for Reporter {
 
 #[test]
 fn reports_beyond_the_ray_or_its_lane_do_not_count() {
-    let device = Device::new().unwrap();
+    let device = linked::device().unwrap();
     let ray = Ray::new(Vec3::new(0.0, 0.0, -3.0), Vec3::Z).between(1.0, 5.0);
     for (t, counts) in [
         (0.5, false),
@@ -268,7 +268,7 @@ impl UserGeometry for Moving {
 
 #[test]
 fn geometry_moves_between_its_time_steps() {
-    let device = Device::new().unwrap();
+    let device = linked::device().unwrap();
     let scene = scene_of(&device, Geometry::user(&device, Arc::new(Moving)).unwrap());
     let rays: Vec<Ray> = (0..=20)
         .map(|i| {
@@ -308,7 +308,7 @@ fn geometries_have_1_to_129_time_steps() {
         fn intersect(&self, _: &mut IntersectQuery<'_>) {}
         fn occluded(&self, _: &mut OccludedQuery<'_>) {}
     }
-    let device = Device::new().unwrap();
+    let device = linked::device().unwrap();
     for steps in [0, 130, u32::MAX] {
         let refused = Geometry::user(&device, Arc::new(Steps(steps))).err();
         assert_eq!(refused, Some(Error::TimeSteps(steps)));

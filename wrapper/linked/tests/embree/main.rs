@@ -1,4 +1,4 @@
-//! Tests of the whole wrapper against analytic spheres.
+//! The wrapper over the linked Embree, against analytic spheres.
 
 mod filters;
 mod instances;

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::sphere::*;
-use crate::*;
+use curvetri_embree::*;
 
 /// Embree's own choice, and every narrower instruction set: they take different ways through Embree.
 pub fn devices() -> Vec<Device> {
     let configs = ["", "isa=sse2", "isa=sse4.2", "isa=avx", "isa=avx2"];
     configs
         .iter()
-        .map(|config| Device::with_config(config).unwrap())
+        .map(|config| linked::device_with_config(config).unwrap())
         .collect()
 }
 
@@ -66,7 +66,7 @@ fn every_width_finds_the_analytic_hits() {
 #[cfg(target_arch = "x86_64")]
 fn a_device_can_be_limited_to_an_instruction_set() {
     let isa = |config| {
-        let device = Device::with_config(config).unwrap();
+        let device = linked::device_with_config(config).unwrap();
         (device.isa(), device.native_width())
     };
     assert_eq!(isa("isa=sse2"), ("SSE2".to_owned(), 4));
