@@ -80,7 +80,7 @@ fn commit(device: &Device, geometry: GeometryBuilder) {
 fn curved_tree(bencher: Bencher<'_, '_>, triangles: usize) {
     let mesh = torus(triangles);
     let curved = Arc::new(CurvedMesh::new(mesh.clone(), &CurvedOptions::default()));
-    let device = Device::new().expect("a device");
+    let device = curvetri::linked::device().expect("a device");
     counted(bencher, &mesh).bench_local(|| {
         commit(
             &device,
@@ -92,7 +92,7 @@ fn curved_tree(bencher: Bencher<'_, '_>, triangles: usize) {
 #[divan::bench(args = SIZES)]
 fn flat_tree(bencher: Bencher<'_, '_>, triangles: usize) {
     let mesh = torus(triangles);
-    let device = Device::new().expect("a device");
+    let device = curvetri::linked::device().expect("a device");
     counted(bencher, &mesh).bench_local(|| {
         let geometry = Geometry::triangles(&device, mesh.positions(), mesh.triangles());
         commit(&device, geometry.expect("a geometry"));

@@ -51,5 +51,6 @@ else
     # Little of it is arithmetic, so that compiling costs more than running. Nothing being inlined, each
     # operation on lanes has a frame with room around it: more than a test's thread has by default.
     RUST_MIN_STACK=$((256 << 20)) cargo test --locked --target "$host" "${profile[@]}" \
-        --config profile.test.opt-level=0 --package curvetri-embree --package curvetri --lib
+        --config profile.test.opt-level=0 --package curvetri-embree --package curvetri-embree-linked \
+        --package curvetri --lib --test embree
 fi

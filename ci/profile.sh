@@ -51,9 +51,9 @@ trace_wide=pairs, the rest
 report=reports to Embree
 intersect_at=a single ray, the rest
 curved::geometry=callback, the rest
-curvetri::embree::user=callback, the rest
-curvetri_intersect=the shim
-curvetri_occluded=the shim'
+curvetri_embree::user=callback, the rest
+curvetri_rtc_intersect=the shim
+curvetri_rtc_occluded=the shim'
 
 # Of one kind of rays in one way: profile KIND WAY TRIANGLES
 profile() {

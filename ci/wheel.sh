@@ -1,5 +1,5 @@
 #!/bin/bash
-# Runs a command (default: cargo test --locked --package curvetri-embree --lib) in this checkout against the Embree 4.4
+# Runs a command (default: cargo test --locked --package curvetri-embree-linked --test embree) in this checkout against the Embree 4.4
 # that comes in the Python wheel embreex, as EMBREE_DIR. The wheel has no headers: those of Debian 13's
 # chroot (ci/debian13.sh) fit.
 #
@@ -13,7 +13,7 @@ checkout=$(cd "$(dirname "$0")/.." && pwd -P)
 cache=${XDG_CACHE_HOME:-$HOME/.cache}/curvetri
 prefix=${CURVETRI_WHEEL:-$cache/embree-wheel}
 headers=${CURVETRI_DEBIAN13:-$cache/debian13}/usr/include/embree4
-[ $# -gt 0 ] || set -- cargo test --locked --package curvetri-embree --lib
+[ $# -gt 0 ] || set -- cargo test --locked --package curvetri-embree-linked --test embree
 
 skip() {
     echo "**********************************************************************" >&2

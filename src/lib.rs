@@ -5,7 +5,8 @@
 //! |---|---|
 //! | [`method`] | the spherical interpolation method: pure maths of one curved triangle |
 //! | [`mesh`] | triangle meshes: reading files, vertex normals, which triangles share an edge |
-//! | [`embree`] | a safe wrapper over the installed Embree, 3.13 or 4.x |
+//! | [`embree`] | a safe wrapper over Embree, 3.13 or 4.3 and later, that links neither |
+//! | `linked` | the installed Embree, linked (feature `linked`, a default one): `curvetri::linked::device()` |
 //! | [`curved`] | a mesh as one Embree user geometry of curved triangles |
 //! | [`render`] | cameras, lights, film: pictures |
 //! | `compare` | how far two forms' pictures, outlines and normals are apart (feature `compare`) |
@@ -14,6 +15,9 @@
 
 #[doc(inline)]
 pub use curvetri_embree as embree;
+#[cfg(feature = "linked")]
+#[doc(inline)]
+pub use curvetri_embree_linked as linked;
 #[doc(inline)]
 pub use curvetri_mesh as mesh;
 #[doc(inline)]

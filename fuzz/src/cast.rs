@@ -168,7 +168,7 @@ fn check_topology(mesh: &Mesh) {
 
 fn scene(curved: &Arc<CurvedMesh>, robust: bool) -> Scene {
     static DEVICE: OnceLock<Device> = OnceLock::new();
-    let device = DEVICE.get_or_init(|| Device::with_config("threads=1").expect("Embree is there"));
+    let device = DEVICE.get_or_init(|| curvetri::linked::device_with_config("threads=1").expect("Embree is there"));
     let geometry = Geometry::user(device, curved.clone()).and_then(|g| g.commit());
     let mut builder = SceneBuilder::new(device).expect("a scene").robust(robust);
     builder.attach(&geometry.expect("a geometry"));

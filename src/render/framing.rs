@@ -268,12 +268,11 @@ impl Wedges {
 mod tests {
     use super::super::scene::Form;
     use super::*;
-    use crate::embree::Device;
 
     fn scene(positions: Vec<DVec3>) -> Scene {
         let triangles = (2..positions.len() as u32).map(|i| [0, i - 1, i]).collect();
         let mesh = Mesh::new(positions, None, triangles).unwrap();
-        Scene::new(&Device::new().unwrap(), vec![mesh], Form::Flat).unwrap()
+        Scene::new(&crate::linked::device().unwrap(), vec![mesh], Form::Flat).unwrap()
     }
 
     fn framing(up: UpAxis, aspect: f64) -> Framing {

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3, Vec4};
 use super::sampler::{PixelSampler, Sample};
 use super::{Camera, Form, Integrator, Lighting, Material, Picture, Scene, Sky, UpAxis, render};
 use crate::curved::CurvedOptions;
-use crate::embree::{Device, Ray};
+use crate::embree::Ray;
 use crate::method::Surface;
 use curvetri_bodies::Body;
 
@@ -123,7 +123,7 @@ fn rmse(a: &[Vec4], b: &[Vec4]) -> f64 {
 
 #[test]
 fn a_glass_ball_of_four_triangles_shows_what_a_true_one_shows() {
-    let device = Device::new().unwrap();
+    let device = crate::linked::device().unwrap();
     let picture = picture();
     let truth = reference_picture(&picture, INDEX);
     // A wrong refractive index would show: so much do pictures differ where refraction does.

@@ -418,7 +418,7 @@ mod tests {
 
     #[test]
     fn meshes_with_different_origins_keep_their_places() {
-        let device = Device::new().unwrap();
+        let device = crate::linked::device().unwrap();
         let far = DVec3::new(3e6, -2e6, 5e5);
         for form in [Form::Flat, curved()] {
             let meshes = vec![square(far), square(far + DVec3::new(5.0, 0.0, 2.0))];
@@ -443,7 +443,7 @@ mod tests {
 
     #[test]
     fn flat_triangles_apart_are_told_as_those_of_their_placements() {
-        let device = Device::new().unwrap();
+        let device = crate::linked::device().unwrap();
         let form = Form::Curved(CurvedOptions {
             flat: FlatTriangles::Apart,
             ..CurvedOptions::default()
@@ -478,7 +478,7 @@ mod tests {
 
     #[test]
     fn a_single_mesh_is_not_moved() {
-        let device = Device::new().unwrap();
+        let device = crate::linked::device().unwrap();
         let mesh = square(DVec3::new(1e6, 0.3, 0.1));
         let scene = Scene::new(&device, vec![mesh.clone()], Form::Flat).unwrap();
         assert_eq!(scene.origin(), mesh.origin());
@@ -487,7 +487,7 @@ mod tests {
 
     #[test]
     fn no_mesh_is_an_error() {
-        let device = Device::new().unwrap();
+        let device = crate::linked::device().unwrap();
         let error = Scene::new(&device, Parts::default(), Form::Flat)
             .err()
             .unwrap();
@@ -503,7 +503,7 @@ mod tests {
             .to_vec();
         let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
         let mesh = Mesh::new(positions.clone(), Some(positions), triangles).unwrap();
-        let device = Device::new().unwrap();
+        let device = crate::linked::device().unwrap();
         let scene = Scene::new(&device, vec![mesh], curved()).unwrap();
         assert!(
             (scene.lowest(Vec3::Y) + 1.0).abs() < 0.02,

@@ -47,7 +47,7 @@ mod tests {
 
     use super::*;
     use crate::curved::CurvedOptions;
-    use crate::embree::{Device, QueryOptions, Ray};
+    use crate::embree::{QueryOptions, Ray};
     use crate::mesh::Mesh;
     use crate::render::Form;
 
@@ -55,7 +55,7 @@ mod tests {
     fn interpolated_normals_are_the_vertices_own_and_only_those_of_flat_triangles() {
         let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
         let normals = [DVec3::Z, DVec3::new(0.6, 0.0, 0.8), DVec3::Z];
-        let device = Device::new().unwrap();
+        let device = crate::linked::device().unwrap();
         let scene = |form| {
             let mesh = Mesh::new(corners.to_vec(), Some(normals.to_vec()), vec![[0, 1, 2]]);
             Scene::new(&device, vec![mesh.unwrap()], form).unwrap()

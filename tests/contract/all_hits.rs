@@ -1,7 +1,7 @@
 //! All hits along a ray: from outside a closed body they are even in number and alternate front and
 //! back.
 
-use curvetri::embree::{Device, Hit, QueryOptions, Ray, RayPacket, Traced, Width};
+use curvetri::embree::{Hit, QueryOptions, Ray, RayPacket, Traced, Width};
 use curvetri::render::{Form, Scene};
 use curvetri_bodies::SplitMix;
 use curvetri_test_support::{Body, Tally};
@@ -19,7 +19,7 @@ fn forms() -> Vec<Form> {
 }
 
 fn scene(body: &Body, form: Form) -> Scene {
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     Scene::with_filters(&device, vec![body.mesh.as_ref().clone()], form).unwrap()
 }
 
@@ -157,6 +157,6 @@ fn all_hits_need_a_scene_made_for_them() {
         .mesh
         .as_ref()
         .clone();
-    let scene = Scene::new(&Device::new().unwrap(), vec![mesh], Form::Flat).unwrap();
+    let scene = Scene::new(&curvetri::linked::device().unwrap(), vec![mesh], Form::Flat).unwrap();
     scene.all_hits1(&Ray::new([0.0; 3].into(), [0.0, 0.0, 1.0].into()));
 }

@@ -58,7 +58,7 @@ fn check(
 }
 
 fn each(check: impl Fn(&Device, &Body, &CurvedOptions, &Scene, &str)) {
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     for body in few_bodies() {
         for options in all_options() {
             let everything = scene(&body, &options);
@@ -138,7 +138,7 @@ fn explode(_: &Candidate) -> bool {
 
 #[test]
 fn panics_of_filters_arrive_in_the_caller() {
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     let body = &few_bodies()[1];
     let options = CurvedOptions::default();
     let by_geometry = scene_of(

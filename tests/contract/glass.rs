@@ -1,7 +1,7 @@
 //! A glass ball of four triangles: light goes through it as through a true one.
 
 use curvetri::curved::CurvedOptions;
-use curvetri::embree::{Device, Ray};
+use curvetri::embree::Ray;
 use curvetri::method::Surface;
 use curvetri::render::{Form, Scene};
 use curvetri_bodies::{Body, SplitMix};
@@ -66,7 +66,7 @@ fn degrees(a: DVec3, b: DVec3) -> f64 {
 
 #[test]
 fn light_goes_through_four_triangles_as_through_a_ball() {
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     for surface in Surface::ALL {
         let form = Form::Curved(CurvedOptions {
             surface,

@@ -55,7 +55,7 @@ fn rays_at_instances(inner: &Scene, count: usize, seed: u64) -> Vec<Ray> {
 
 #[test]
 fn instances_are_hit_where_their_transform_puts_them() {
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     for body in few_bodies() {
         for options in all_options() {
             let inner = scene_of(&device, [geometry(&device, &body, &options)]);
@@ -97,7 +97,7 @@ fn instances_are_hit_where_their_transform_puts_them() {
 #[test]
 fn packets_give_what_single_rays_give_in_instances() {
     let mut agreement = Agreement::default();
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     for body in few_bodies() {
         for options in all_options() {
             let inner = scene_of(&device, [geometry(&device, &body, &options)]);
@@ -118,7 +118,7 @@ fn packets_give_what_single_rays_give_in_instances() {
 #[test]
 fn filters_decide_in_instances() {
     let mut agreement = Agreement::default();
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     for body in few_bodies() {
         let options = CurvedOptions::default();
         // The instance's rays come in the body's own space.
@@ -154,7 +154,7 @@ fn filters_decide_in_instances() {
 
 #[test]
 fn instances_nest_as_deep_as_the_library_allows() {
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     let body = &few_bodies()[1];
     let mut scene = scene_of(
         &device,

@@ -1,7 +1,7 @@
 //! Packets of curved triangles, of every width and with any lanes left out, give what single rays give.
 
 use crate::queries::*;
-use curvetri::embree::{Device, QueryOptions, Ray};
+use curvetri::embree::{QueryOptions, Ray};
 use curvetri::method::BoundsKind;
 use glam::DVec3;
 
@@ -38,7 +38,7 @@ fn what_occludes_is_what_is_hit() {
 #[test]
 fn rays_see_the_geometries_whose_mask_they_share() {
     let mut agreement = Agreement::default();
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     let bodies = few_bodies();
     for options in all_options() {
         // Both around the origin, one through the other.

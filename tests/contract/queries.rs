@@ -46,7 +46,7 @@ pub fn scene_of(device: &Device, geometries: impl IntoIterator<Item = GeometryBu
 
 /// A scene of one body.
 pub fn scene(body: &Body, options: &CurvedOptions) -> Scene {
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     scene_of(&device, [geometry(&device, body, options)])
 }
 

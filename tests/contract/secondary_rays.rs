@@ -2,7 +2,7 @@
 //! near it.
 
 use curvetri::curved::CurvedOptions;
-use curvetri::embree::{Device, Hit, QueryOptions, Ray, RayPacket};
+use curvetri::embree::{Hit, QueryOptions, Ray, RayPacket};
 use curvetri::mesh::Mesh;
 use curvetri::method::{Solver, Surface};
 use curvetri::render::{Form, Scene};
@@ -79,7 +79,7 @@ fn shadowed(scene: &Scene, centre: Vec3, radius: f32, distance: f32) -> [usize; 
 
 #[test]
 fn a_convex_body_does_not_shadow_itself() {
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     for form in forms() {
         for radius in [1e-3, 1.0, 1e3] {
             for offset in [0.0, 3.0] {
@@ -115,7 +115,7 @@ fn plates(size: f64, gap: f64, bend: f64) -> Mesh {
 
 #[test]
 fn plates_close_to_each_other_shadow_each_other() {
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     for form in forms() {
         for size in [1e-3_f32, 1.0, 1e3] {
             for bend in [0.0, 0.2] {

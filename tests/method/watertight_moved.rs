@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use curvetri::curved::CurvedOptions;
-use curvetri::embree::{Device, Ray};
+use curvetri::embree::Ray;
 use curvetri::mesh::{Mesh, Topology};
 use curvetri::method::Surface;
 use curvetri::render::{Form, Scene};
@@ -101,7 +101,7 @@ fn no_ray_from_inside_is_lost() {
 /// As many hits on the front as on the back: bodies may overlap themselves, so that hits need not
 /// alternate.
 fn uneven_rays(body: &Body) -> Tally {
-    let device = Device::new().expect("Embree is installed");
+    let device = curvetri::linked::device().expect("Embree is installed");
     let form = Form::Curved(CurvedOptions::default());
     let scene = Scene::with_filters(&device, vec![(*body.mesh).clone()], form).unwrap();
     let bounds = scene.tree().bounds();

@@ -2,7 +2,7 @@
 //! the scene themselves.
 
 use curvetri::curved::CurvedOptions;
-use curvetri::embree::{Device, Hit, QueryOptions, Ray};
+use curvetri::embree::{Hit, QueryOptions, Ray};
 use curvetri::mesh::{Mesh, Parts, Placement};
 use curvetri::render::{
     Form, PacketWidth, Scene, UserRay, UserRays, answer_all_hits, answer_occluded, answer_rays,
@@ -89,7 +89,7 @@ fn asked<'a>(count: usize, ray: &'a (dyn Fn(usize) -> UserRay + Sync)) -> UserRa
 
 #[test]
 fn instances_are_hit_as_meshes_in_their_places() {
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     let mesh = Body::torus(24, 32).mesh();
     for offset in [DVec3::ZERO, DVec3::new(3e6, -1e5, 2e6)] {
         let transforms = transforms().map(|t| DAffine3::from_translation(offset) * t);
@@ -140,7 +140,7 @@ fn instances_are_hit_as_meshes_in_their_places() {
 
 #[test]
 fn packets_all_hits_and_occlusion_agree_on_instances() {
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     let mesh = Body::torus(24, 32).mesh();
     for form in forms() {
         let parts = placed(mesh.clone(), &transforms());
@@ -207,7 +207,7 @@ fn shadowed(scene: &Scene, centre: Vec3, radius: f32, distance: f32) -> [usize; 
 
 #[test]
 fn a_convex_instance_does_not_shadow_itself() {
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     let ball = Body::sphere_tetrahedron().mesh();
     for form in forms() {
         for scale in [1e-3, 1.0, 1e3] {
@@ -238,7 +238,7 @@ fn a_convex_instance_does_not_shadow_itself() {
 
 #[test]
 fn plates_of_an_instance_close_to_each_other_shadow_each_other() {
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
     let level = |z: f64| square.map(|(x, y)| DVec3::new(x, y, z));
     let positions = [level(0.0), level(1e-4)].concat();

@@ -1,7 +1,6 @@
 //! The integrators against each other, and against what is known.
 
 use curvetri::curved::CurvedOptions;
-use curvetri::embree::Device;
 use curvetri::mesh::Mesh;
 use curvetri::render::{
     Camera, Crop, Film, Form, Ground, Integrator, Lighting, Material, Picture, Scene, Sky,
@@ -22,7 +21,7 @@ fn path(depth: u32) -> Integrator {
 
 fn scene(mesh: Mesh) -> Scene {
     let form = Form::Curved(CurvedOptions::default());
-    Scene::new(&Device::new().unwrap(), vec![mesh], form).unwrap()
+    Scene::new(&curvetri::linked::device().unwrap(), vec![mesh], form).unwrap()
 }
 
 /// The unit sphere.

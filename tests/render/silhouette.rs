@@ -60,7 +60,7 @@ fn truth_is_inside(body: &Body, camera: &Camera, point: Vec2) -> bool {
 
 #[test]
 fn the_curved_outline_is_the_true_one_and_the_flat_one_is_not() {
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     let body = Body::torus(20, 16);
     for eye in [
         DVec3::new(0.0, 0.0, 4.4),

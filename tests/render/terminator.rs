@@ -2,7 +2,6 @@
 //! sun shines on. `scenes/terminator.obj` shows it.
 
 use curvetri::curved::CurvedOptions;
-use curvetri::embree::Device;
 use curvetri::method::Surface;
 use curvetri::render::{
     Aovs, Camera, Film, Form, Lighting, Picture, Scene, Shading, Sky, UpAxis, aovs, render,
@@ -39,7 +38,7 @@ fn picture() -> Picture {
 /// A form's picture and normals.
 fn seen(form: Form) -> (Film, Aovs) {
     let scene = Scene::new(
-        &Device::new().unwrap(),
+        &curvetri::linked::device().unwrap(),
         vec![curvetri_bodies::terminator()],
         form,
     )

@@ -4,8 +4,6 @@
 //! The reference figures are the paper's Table 1 as an independent `f64` prototype of the method
 //! has it, and that prototype's figures for finer tori. It averaged over other points than we do,
 //! which the tolerances stand for.
-
-use curvetri::embree::Device;
 use curvetri::method::{Patch, PatchFlags, Surface};
 use curvetri_accuracy::{
     Measure, Model, Options, Peer, Row, bodies, measure, measure_traced, order, triangles_needed,
@@ -35,7 +33,13 @@ fn traced(name: &str, model: Model) -> Row {
         samples: 20_000,
         ..Options::default()
     };
-    let row = measure_traced(&Device::new().unwrap(), &body(name), model, &options).unwrap();
+    let row = measure_traced(
+        &curvetri::linked::device().unwrap(),
+        &body(name),
+        model,
+        &options,
+    )
+    .unwrap();
     assert_eq!(row.missed, 0, "{row:?}");
     row
 }
@@ -123,7 +127,7 @@ fn grid_errors(body: &Body, parts: usize) -> Vec<f64> {
 
 #[test]
 fn spheres_are_exact() {
-    let device = Device::new().unwrap();
+    let device = curvetri::linked::device().unwrap();
     for name in ["sphere-tetrahedron", "sphere-cube"] {
         for model in [ANGULAR, TENSOR, SMOOTH] {
             let exact = row(name, model);

@@ -263,7 +263,7 @@ impl Form {
     }
 
     fn build_once(&self, mesh: &Arc<Mesh>, parts: u32, clock: Clock) -> Result<Built, Error> {
-        let device = Device::with_config(self.device())?;
+        let device = curvetri::linked::device_with_config(self.device())?;
         let triangles = mesh.triangles().len() as u64;
         let pieces = triangles * u64::from(parts).pow(2);
         let start = clock.program_time();

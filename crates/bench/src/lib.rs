@@ -26,7 +26,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use thiserror::Error;
 
 use curvetri::curved::{CurvedMesh, CurvedOptions};
-use curvetri::embree::{self, Device, Geometry, Scene, SceneBuilder};
+use curvetri::embree::{self, Geometry, Scene, SceneBuilder};
 use curvetri::mesh::{Mesh, MeshError};
 use measure::PackedRays;
 use rays::RayMaker;
@@ -365,7 +365,7 @@ fn is_other_solver(form: &Form) -> bool {
 }
 
 fn curved_scene(curved: &Arc<CurvedMesh>) -> Result<Scene, Error> {
-    let device = Device::new()?;
+    let device = curvetri::linked::device()?;
     let mut builder = SceneBuilder::new(&device)?;
     builder.attach(&Geometry::user(&device, curved.clone())?.commit()?);
     Ok(builder.commit()?)

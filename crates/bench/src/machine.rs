@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use curvetri::embree::{Device, Error};
+use curvetri::embree::Error;
 
 /// A machine and the programs on it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,7 +29,7 @@ impl Machine {
     /// # Errors
     /// If Embree does not start.
     pub fn new() -> Result<Self, Error> {
-        let device = Device::new()?;
+        let device = curvetri::linked::device()?;
         let name = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
         let name = name.lines().find_map(|line| {
             let (key, value) = line.split_once(':')?;

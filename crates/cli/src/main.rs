@@ -127,7 +127,8 @@ fn print_version() -> Result<()> {
 /// Embree, building on this many threads.
 fn device(threads: Option<usize>) -> Result<Device> {
     let config = threads.map(|threads| format!("threads={threads}"));
-    Device::with_config(config.as_deref().unwrap_or_default()).context("Embree does not start")
+    curvetri::linked::device_with_config(config.as_deref().unwrap_or_default())
+        .context("Embree does not start")
 }
 
 /// Runs work on this many threads.

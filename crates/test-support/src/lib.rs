@@ -50,7 +50,7 @@ impl Body {
     /// # Panics
     /// If Embree is missing or refuses the mesh.
     pub fn traced_with(&self, options: &CurvedOptions) -> Traced {
-        let device = Device::new().expect("Embree is installed");
+        let device = curvetri::linked::device().expect("Embree is installed");
         let curved = Arc::new(CurvedMesh::new(self.mesh.clone(), options));
         let scene = together(&device, curved.geometries(&device).unwrap());
         Traced {

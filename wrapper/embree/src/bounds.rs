@@ -5,6 +5,16 @@ use glam::Vec3;
 use super::sys::CurvetriBounds;
 
 /// An axis-aligned box, in the space of whatever it bounds.
+///
+/// ```
+/// use curvetri_embree::Bounds;
+/// use glam::Vec3;
+///
+/// let points = [Vec3::new(1.0, 5.0, 2.0), Vec3::new(3.0, 4.0, 0.0)];
+/// let bounds = points.into_iter().fold(Bounds::EMPTY, Bounds::including);
+/// assert_eq!(bounds.lower, Vec3::new(1.0, 4.0, 0.0));
+/// assert_eq!(bounds.upper, Vec3::new(3.0, 5.0, 2.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
     /// The corner of least coordinates.

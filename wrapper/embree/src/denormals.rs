@@ -5,6 +5,14 @@ use std::marker::PhantomData;
 /// Treats denormal numbers as zero on this thread until the guard is dropped: flush-to-zero and
 /// denormals-are-zero, which Embree recommends for every thread that traces (computing with denormals
 /// is a hundred times slower). Does nothing where the processor has no such setting that is known here.
+///
+/// ```
+/// use curvetri_embree::flush_denormals;
+///
+/// let flushed = flush_denormals();
+/// // trace on this thread
+/// drop(flushed);
+/// ```
 #[must_use = "the setting ends with the guard"]
 pub fn flush_denormals() -> FlushedDenormals {
     FlushedDenormals {
@@ -14,6 +22,17 @@ pub fn flush_denormals() -> FlushedDenormals {
 }
 
 /// Ends [`flush_denormals`] when dropped.
+///
+/// ```
+/// use curvetri_embree::{FlushedDenormals, flush_denormals};
+///
+/// struct Worker {
+///     _flushed: FlushedDenormals,
+/// }
+///
+/// let worker = Worker { _flushed: flush_denormals() };
+/// # drop(worker);
+/// ```
 pub struct FlushedDenormals {
     before: u32,
     // the setting is the thread's own

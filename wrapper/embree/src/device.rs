@@ -15,6 +15,14 @@ use super::table::{Table, embree};
 
 /// An Embree device. Clones are cheap and share one device, which lives as long as any of them or
 /// anything made with them.
+///
+/// ```
+/// use curvetri_embree::Device;
+///
+/// let device = Device::new(curvetri_embree_linked::embree()?)?;
+/// println!("Embree {}, {} rays at once", device.version(), device.native_width());
+/// # Ok::<(), curvetri_embree::Error>(())
+/// ```
 #[derive(Clone)]
 pub struct Device(Arc<Shared>);
 
@@ -35,6 +43,12 @@ unsafe impl Send for Shared {}
 unsafe impl Sync for Shared {}
 
 /// Bytes that Embree holds for a device: its trees and its own buffers.
+///
+/// ```
+/// let memory = curvetri_embree_linked::device()?.memory();
+/// assert!(memory.peak >= memory.current);
+/// # Ok::<(), curvetri_embree::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Memory {
     /// Bytes held now.
@@ -50,6 +64,15 @@ struct MemoryCounters {
 }
 
 /// A version of Embree.
+///
+/// ```
+/// use curvetri_embree::Version;
+///
+/// let version = Version { major: 4, minor: 3, patch: 0 };
+/// assert_eq!(version.to_string(), "4.3.0");
+/// assert!(curvetri_embree_linked::device()?.version() >= Version { major: 3, minor: 13, patch: 0 });
+/// # Ok::<(), curvetri_embree::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Version {
     /// As the 4 in 4.3.0.

@@ -11,6 +11,16 @@ use super::sys;
 use super::table::TableError;
 
 /// What Embree or this wrapper over it refuses.
+///
+/// ```
+/// use curvetri_embree::{Error, Geometry};
+/// use glam::Vec3;
+///
+/// let device = curvetri_embree_linked::device()?;
+/// let refused = Geometry::triangles(&device, &[Vec3::ZERO], &[[0, 0, 1]]).err();
+/// let Some(Error::Index { triangle: 0, index: 1, .. }) = refused else { panic!() };
+/// # Ok::<(), curvetri_embree::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -26,7 +36,7 @@ pub enum Error {
     },
     /// The table of Embree's functions cannot be used.
     #[error(transparent)]
-    Table(#[from] TableError),
+    Table(TableError),
     /// The Embree library in use does not fit the headers this program was built with.
     #[error(
         "this program was built for Embree {built} but runs with Embree {running}: build it again, \
@@ -111,6 +121,16 @@ fn described(code: ErrorCode, message: &str) -> String {
 }
 
 /// Embree's error codes.
+///
+/// ```
+/// use curvetri_embree::{Error, ErrorCode};
+///
+/// /// Whether it may work with less in the scene.
+/// fn is_out_of_memory(error: &Error) -> bool {
+///     matches!(error, Error::Embree { code: ErrorCode::OutOfMemory, .. })
+/// }
+/// # assert!(!is_out_of_memory(&Error::QueryFilters));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ErrorCode {

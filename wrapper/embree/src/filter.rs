@@ -9,9 +9,28 @@ use super::sys::{CurvetriCandidate, INVALID_ID, LEVELS};
 use super::table::Table;
 
 /// Decides whether a hit counts. A rejected hit is as if the surface were not there.
+///
+/// ```
+/// use curvetri_embree::{Candidate, Filter, QueryOptions};
+///
+/// let front: &Filter<'_> = &|candidate: &Candidate| {
+///     candidate.hit.ng.dot(candidate.ray.direction) < 0.0
+/// };
+/// let options = QueryOptions::COHERENT.with_filter(front);
+/// ```
 pub type Filter<'a> = dyn Fn(&Candidate) -> bool + Send + Sync + 'a;
 
 /// A hit to be accepted or rejected.
+///
+/// ```
+/// use curvetri_embree::Candidate;
+///
+/// /// A hole in the middle of every triangle, as an alpha texture may cut it.
+/// fn solid(candidate: &Candidate) -> bool {
+///     let (u, v) = (candidate.hit.u, candidate.hit.v);
+///     u.min(v).min(1.0 - u - v) < 0.2
+/// }
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Candidate {
     /// The ray, in the space of the geometry. Its `tfar` is the hit's t.

@@ -18,10 +18,35 @@ use super::table::{Table, embree};
 use super::user::{self, UserGeometry};
 
 /// A committed geometry, to be attached to scenes. Clones are cheap and share it.
+///
+/// ```
+/// use curvetri_embree::{Geometry, SceneBuilder};
+/// use glam::Vec3;
+///
+/// let device = curvetri_embree_linked::device()?;
+/// let triangle = Geometry::triangles(&device, &[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]])?.commit()?;
+/// let mut builder = SceneBuilder::new(&device)?;
+/// let [first, second] = [builder.attach(&triangle), builder.attach(&triangle)];
+/// assert_eq!((first, second), (0, 1));
+/// # Ok::<(), curvetri_embree::Error>(())
+/// ```
 #[derive(Clone)]
 pub struct Geometry(Arc<Shared>);
 
 /// A geometry in the making; it ends with [`commit`](Self::commit).
+///
+/// ```
+/// use curvetri_embree::{BuildQuality, Geometry};
+/// use glam::Vec3;
+///
+/// let device = curvetri_embree_linked::device()?;
+/// let geometry = Geometry::triangles(&device, &[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]])?
+///     .mask(0b01)
+///     .build_quality(BuildQuality::High)
+///     .intersect_filter(|candidate| candidate.hit.u < 0.5)
+///     .commit()?;
+/// # Ok::<(), curvetri_embree::Error>(())
+/// ```
 pub struct GeometryBuilder {
     shared: Shared,
     quality: BuildQuality,
@@ -63,6 +88,14 @@ pub(super) struct Callbacks {
 }
 
 /// How much work goes into a tree.
+///
+/// ```
+/// use curvetri_embree::{BuildQuality, SceneBuilder};
+///
+/// let device = curvetri_embree_linked::device()?;
+/// let preview = SceneBuilder::new(&device)?.build_quality(BuildQuality::Low).commit()?;
+/// # Ok::<(), curvetri_embree::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum BuildQuality {
     /// Fast to build, slower to trace.

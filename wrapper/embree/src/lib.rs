@@ -25,7 +25,8 @@
 //!
 //! let ray = Ray::new(Vec3::new(0.25, 0.5, -1.0), Vec3::Z);
 //! let hit = scene.intersect1(&ray, &QueryOptions::default()).expect("it meets the triangle");
-//! assert_eq!((hit.t, hit.u, hit.v, hit.geom_id), (1.0, 0.25, 0.5, id));
+//! assert_eq!((hit.prim_id, hit.geom_id), (0, id));
+//! assert!((hit.t - 1.0).abs() < 1e-6 && (hit.u - 0.25).abs() < 1e-6 && (hit.v - 0.5).abs() < 1e-6);
 //!
 //! let mut packet = RayPacket::<16>::from_rays(&[ray; 16]);
 //! assert_eq!(scene.occluded(&mut packet, &QueryOptions::COHERENT), 0xffff);
@@ -51,6 +52,7 @@ mod sys;
 mod table;
 mod user;
 
+/// The table as C has it, `struct CurvetriEmbree` of `curvetri_table.h`: for [`Table::read`].
 pub use bindings::table::CurvetriEmbree;
 pub use bounds::Bounds;
 pub use denormals::{FlushedDenormals, flush_denormals};

@@ -14,6 +14,17 @@ use super::table::embree;
 
 /// A rectangle of vertices, each four neighbours of which are two flat triangles: one primitive of
 /// [`Geometry::grids`].
+///
+/// ```
+/// use curvetri_embree::{Geometry, Grid};
+/// use glam::Vec3;
+///
+/// let vertices: Vec<Vec3> = (0..6).map(|i| Vec3::new((i % 3) as f32, (i / 3) as f32, 0.0)).collect();
+/// let grid = Grid { first: 0, stride: 3, width: 3, height: 2 };
+/// let device = curvetri_embree_linked::device()?;
+/// let geometry = Geometry::grids(&device, &vertices, &[grid])?.commit()?;
+/// # Ok::<(), curvetri_embree::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C)]
 pub struct Grid {

@@ -10,6 +10,21 @@ use super::record::HIT_FIELDS;
 use super::sys::{INVALID_ID, LEVELS};
 
 /// Names a packet's width in bounds: `Width<N>: Traced` holds for 1, 4, 8 and 16.
+///
+/// ```
+/// use curvetri_embree::{QueryOptions, Ray, RayPacket, Scene, Traced, Width};
+///
+/// fn count_hits<const N: usize>(scene: &Scene, rays: &[Ray]) -> u32
+/// where
+///     Width<N>: Traced,
+/// {
+///     let shadow = |rays: &[Ray]| {
+///         let mut packet = RayPacket::<N>::from_rays(rays);
+///         scene.occluded(&mut packet, &QueryOptions::INCOHERENT).count_ones()
+///     };
+///     rays.chunks(N).map(shadow).sum()
+/// }
+/// ```
 pub struct Width<const N: usize>;
 
 /// The widths Embree traces.
@@ -33,6 +48,19 @@ impl Traced for Width<16> {}
 /// Lanes begin empty: an empty lane is not traced, and nothing of it is changed. The fields are
 /// Embree's own arrays, aligned for every width, so that they can be filled and read lane by lane or
 /// many at a time.
+///
+/// ```
+/// use curvetri_embree::{QueryOptions, Ray, RayPacket, SceneBuilder};
+/// use glam::Vec3;
+///
+/// let device = curvetri_embree_linked::device()?;
+/// let empty = SceneBuilder::new(&device)?.commit()?;
+/// let mut packet = RayPacket::<4>::from_rays(&[Ray::new(Vec3::ZERO, Vec3::X); 3]);
+/// assert_eq!(packet.active(), 0b0111);
+/// empty.intersect(&mut packet, &QueryOptions::default());
+/// assert_eq!(packet.hit(0), None);
+/// # Ok::<(), curvetri_embree::Error>(())
+/// ```
 #[derive(Clone)]
 #[repr(C, align(64))]
 pub struct RayPacket<const N: usize> {
@@ -49,6 +77,19 @@ pub struct RayPacket<const N: usize> {
 struct Active(u32);
 
 /// The rays of a packet, component by component.
+///
+/// ```
+/// use curvetri_embree::RayPacket;
+///
+/// let mut packet = RayPacket::<8>::new();
+/// packet.rays.org_z = [-1.0; 8];
+/// packet.rays.dir_z = [1.0; 8];
+/// packet.rays.tnear = [0.0; 8];
+/// packet.rays.tfar = [f32::INFINITY; 8];
+/// packet.rays.mask = [!0; 8];
+/// packet.set_active(0xff);
+/// assert!(packet.ray(5).is_traceable());
+/// ```
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub struct Rays<const N: usize> {
@@ -79,6 +120,13 @@ pub struct Rays<const N: usize> {
 }
 
 /// The hits of a packet, component by component; undefined in lanes that missed, but for `geom_id`.
+///
+/// ```
+/// use curvetri_embree::{Hit, RayPacket};
+///
+/// let packet = RayPacket::<8>::new();
+/// assert_eq!(packet.hits.geom_id, [Hit::NONE; 8]);
+/// ```
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub struct Hits<const N: usize> {

@@ -11,6 +11,14 @@ use super::filter::Filter;
 use super::table::Table;
 
 /// How to trace a packet.
+///
+/// ```
+/// use curvetri_embree::{Candidate, QueryOptions};
+///
+/// let back = |candidate: &Candidate| candidate.hit.ng.dot(candidate.ray.direction) > 0.0;
+/// let options = QueryOptions::COHERENT.with_filter(&back);
+/// assert!(options.coherent);
+/// ```
 #[derive(Clone, Copy, Default)]
 pub struct QueryOptions<'a> {
     /// The packet's rays are alike, as a camera's are: Embree walks its tree once for all of them.

@@ -14,6 +14,16 @@ pub const LARGEST_COMPONENT: f32 = 1.844e18;
 pub const LEAST_COMPONENT: f32 = 1e-18;
 
 /// A ray: the points `origin + t direction` with `tnear <= t <= tfar`.
+///
+/// ```
+/// use curvetri_embree::Ray;
+/// use glam::Vec3;
+///
+/// let ray = Ray::new(Vec3::ZERO, 2.0 * Vec3::X).between(0.0, 10.0);
+/// assert_eq!(ray.at(1.5), Vec3::new(3.0, 0.0, 0.0));
+/// assert!(ray.is_traceable());
+/// assert!(!ray.between(0.0, f32::NAN).is_traceable());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
     /// Where t = 0.
@@ -80,6 +90,25 @@ impl Ray {
 }
 
 /// Where a ray hit.
+///
+/// ```
+/// use curvetri_embree::{Geometry, Hit, QueryOptions, Ray, SceneBuilder};
+/// use glam::Vec3;
+///
+/// let device = curvetri_embree_linked::device()?;
+/// let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+/// let mut builder = SceneBuilder::new(&device)?;
+/// builder.attach(&Geometry::triangles(&device, &corners, &[[0, 1, 2]])?.commit()?);
+/// let scene = builder.commit()?;
+///
+/// let ray = Ray::new(Vec3::new(0.2, 0.3, -1.0), Vec3::Z);
+/// let hit = scene.intersect1(&ray, &QueryOptions::default()).expect("it hits the triangle");
+/// let [a, b, c] = corners;
+/// let point = a + hit.u * (b - a) + hit.v * (c - a);
+/// assert!(point.distance(ray.at(hit.t)) < 1e-6);
+/// assert_eq!(hit.inst_id, [Hit::NONE]);
+/// # Ok::<(), curvetri_embree::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// The ray's parameter, in units of its direction's length.
@@ -113,6 +142,19 @@ impl Hit {
 }
 
 /// A point of a user geometry's surface that a ray meets: what a callback reports.
+///
+/// ```
+/// use curvetri_embree::{Ray, SurfaceHit};
+/// use glam::Vec3;
+///
+/// /// Where a ray meets the plane z = 0.
+/// fn plane(ray: &Ray) -> SurfaceHit {
+///     let t = -ray.origin.z / ray.direction.z;
+///     let point = ray.at(t);
+///     SurfaceHit { t, u: point.x, v: point.y, ng: Vec3::Z }
+/// }
+/// # assert_eq!(plane(&Ray::new(Vec3::new(1.0, 2.0, 3.0), -Vec3::Z)).t, 3.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceHit {
     /// The ray's parameter, in units of its direction's length.

@@ -18,14 +18,57 @@ use super::sys::{
 use super::table::{Table, embree};
 
 /// The number of a geometry in its scene, as in [`Hit::geom_id`](super::Hit::geom_id).
+///
+/// ```
+/// use curvetri_embree::{GeometryId, Hit};
+///
+/// fn is_of(hit: &Hit, geometry: GeometryId) -> bool {
+///     hit.geom_id == geometry
+/// }
+/// ```
 pub type GeometryId = u32;
 
 /// A committed scene: immutable, and traced from any number of threads at once. Clones are cheap and
 /// share it. It owns its geometries.
+///
+/// ```
+/// use curvetri_embree::{Geometry, QueryOptions, Ray, SceneBuilder};
+/// use glam::Vec3;
+///
+/// let device = curvetri_embree_linked::device()?;
+/// let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+/// let mut builder = SceneBuilder::new(&device)?;
+/// builder.attach(&Geometry::triangles(&device, &corners, &[[0, 1, 2]])?.commit()?);
+/// let scene = builder.commit()?;
+///
+/// let down = Ray::new(Vec3::new(0.2, 0.3, 1.0), -Vec3::Z);
+/// assert!(scene.occluded1(&down, &QueryOptions::default()));
+/// assert!(!scene.occluded1(&down.between(0.0, 0.5), &QueryOptions::default()));
+/// # Ok::<(), curvetri_embree::Error>(())
+/// ```
 #[derive(Clone)]
 pub struct Scene(Arc<Shared>);
 
 /// A scene in the making; it ends with [`commit`](Self::commit).
+///
+/// ```
+/// use curvetri_embree::{Geometry, SceneBuilder};
+/// use glam::{Affine3A, Vec3};
+///
+/// let device = curvetri_embree_linked::device()?;
+/// let triangle = Geometry::triangles(&device, &[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]])?;
+/// let mut builder = SceneBuilder::new(&device)?.robust(true);
+/// builder.attach(&triangle.commit()?);
+/// let scene = builder.commit()?;
+///
+/// let mut builder = SceneBuilder::new(&device)?;
+/// for z in [0.0, 1.0, 2.0] {
+///     let moved = Affine3A::from_translation(Vec3::new(0.0, 0.0, z));
+///     builder.attach(&Geometry::instance(&device, &scene, moved)?.commit()?);
+/// }
+/// assert_eq!(builder.commit()?.bounds().upper, Vec3::new(1.0, 1.0, 2.0));
+/// # Ok::<(), curvetri_embree::Error>(())
+/// ```
 pub struct SceneBuilder {
     shared: Shared,
     flags: u32,

@@ -20,6 +20,60 @@ use super::table::{Table, embree};
 /// Embree calls it from several threads at once. A panic in any of the functions resumes in the caller
 /// of [`SceneBuilder::commit`](super::SceneBuilder::commit), [`Scene::intersect`](super::Scene::intersect)
 /// or [`Scene::occluded`](super::Scene::occluded).
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use curvetri_embree::*;
+/// use glam::Vec3;
+///
+/// /// The square from 0 to 1 in the plane z = 0.
+/// struct Square;
+///
+/// impl Square {
+///     fn hit(&self, ray: &Ray) -> Option<SurfaceHit> {
+///         let t = -ray.origin.z / ray.direction.z;
+///         let (u, v) = (ray.at(t).x, ray.at(t).y);
+///         let inside = (0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v);
+///         inside.then_some(SurfaceHit { t, u, v, ng: Vec3::Z })
+///     }
+/// }
+///
+/// impl UserGeometry for Square {
+///     fn primitives(&self) -> u32 {
+///         1
+///     }
+///
+///     fn bounds(&self, _: u32, _: u32) -> Bounds {
+///         let padding = Vec3::splat(1e-6);
+///         Bounds { lower: -padding, upper: Vec3::new(1.0, 1.0, 0.0) + padding }
+///     }
+///
+///     fn intersect(&self, query: &mut IntersectQuery<'_>) {
+///         for lane in query.lanes() {
+///             if let Some(hit) = self.hit(&query.ray(lane)) {
+///                 query.report(lane, hit);
+///             }
+///         }
+///     }
+///
+///     fn occluded(&self, query: &mut OccludedQuery<'_>) {
+///         for lane in query.lanes() {
+///             if let Some(hit) = self.hit(&query.ray(lane)) {
+///                 query.report(lane, hit);
+///             }
+///         }
+///     }
+/// }
+///
+/// let device = curvetri_embree_linked::device()?;
+/// let mut builder = SceneBuilder::new(&device)?;
+/// builder.attach(&Geometry::user(&device, Arc::new(Square))?.commit()?);
+/// let scene = builder.commit()?;
+/// let ray = Ray::new(Vec3::new(0.25, 0.5, 2.0), -Vec3::Z);
+/// assert_eq!(scene.intersect1(&ray, &QueryOptions::default()).map(|hit| hit.t), Some(2.0));
+/// # Ok::<(), curvetri_embree::Error>(())
+/// ```
 pub trait UserGeometry: Send + Sync {
     /// How many primitives there are. Asked once, when the geometry is made.
     fn primitives(&self) -> u32;
@@ -48,6 +102,16 @@ pub trait UserGeometry: Send + Sync {
 /// A lane is valid if it holds a ray that is still looking for a hit and that sees the geometry
 /// (Embree has compared their masks). Rays of other lanes may hold anything. In packets a valid ray
 /// need not meet the primitive's box.
+///
+/// ```
+/// use curvetri_embree::QueryRays;
+///
+/// /// The lanes whose rays may meet anything in front of a plane of constant z.
+/// fn leads_up(rays: &QueryRays<'_>, z: f32) -> u32 {
+///     let up = |lane: &usize| rays.org_z()[*lane] < z && rays.dir_z()[*lane] > 0.0;
+///     rays.lanes().filter(up).fold(0, |lanes, lane| lanes | 1 << lane)
+/// }
+/// ```
 pub struct QueryRays<'a> {
     embree: &'static Table,
     // Embree's own, never a copy
@@ -63,9 +127,35 @@ pub struct QueryRays<'a> {
 }
 
 /// A query for the nearest hit.
+///
+/// ```
+/// use curvetri_embree::{IntersectQuery, SurfaceHit};
+///
+/// /// Offers two hits of a ray: the second where filters reject the first.
+/// fn report(query: &mut IntersectQuery<'_>, lane: usize, hits: [SurfaceHit; 2]) {
+///     for hit in hits {
+///         if query.report(lane, hit) {
+///             break;
+///         }
+///     }
+/// }
+/// ```
 pub struct IntersectQuery<'a>(QueryRays<'a>);
 
 /// A query for any hit.
+///
+/// ```
+/// use curvetri_embree::{OccludedQuery, SurfaceHit};
+/// use glam::Vec3;
+///
+/// /// A primitive that no ray passes.
+/// fn occlude(query: &mut OccludedQuery<'_>) {
+///     for lane in query.lanes() {
+///         let t = query.tnear()[lane];
+///         query.report(lane, SurfaceHit { t, u: 0.0, v: 0.0, ng: Vec3::Z });
+///     }
+/// }
+/// ```
 pub struct OccludedQuery<'a>(QueryRays<'a>);
 
 /// Whether hits need to be shown to filters.

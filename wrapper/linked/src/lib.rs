@@ -37,7 +37,7 @@ pub fn embree() -> Result<&'static Table, Error> {
         // curvetri_embree.h with the functions of the Embree it was compiled for.
         unsafe { Table::read(curvetri_linked_embree()) }
     });
-    table.as_ref().map_err(|error| error.clone().into())
+    table.as_ref().map_err(|error| Error::Table(error.clone()))
 }
 
 /// A device of that Embree with its own settings.

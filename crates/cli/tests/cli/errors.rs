@@ -178,7 +178,7 @@ fn the_version_names_embree_and_its_instruction_set() {
             text.starts_with(concat!("curvetri ", env!("CARGO_PKG_VERSION"), "\n")),
             "{text}"
         );
-        let device = curvetri::embree::Device::new().unwrap();
+        let device = curvetri::linked::device().unwrap();
         let embree = format!("Embree {} ({})\n", device.version(), device.isa());
         assert!(text.ends_with(&embree), "{text}");
     }

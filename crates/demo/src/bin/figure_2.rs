@@ -10,7 +10,6 @@
 use std::io::Cursor;
 
 use curvetri::curved::CurvedOptions;
-use curvetri::embree::Device;
 use curvetri::render::{Background, Form, Framing, OutputFile, Picture, Scene, UpAxis, render};
 use curvetri_bodies::Body;
 use image::{RgbaImage, imageops};
@@ -19,7 +18,7 @@ const TILE: [usize; 2] = [320, 264];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let output = std::env::args().nth(1).ok_or("name the picture to write")?;
-    let device = Device::new()?;
+    let device = curvetri::linked::device()?;
     let bodies = [
         Body::sphere_tetrahedron(),
         Body::cylinder(),

@@ -7,7 +7,6 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use curvetri::curved::CurvedOptions;
-use curvetri::embree::Device;
 use curvetri::mesh::{Loader, Mesh};
 use curvetri::method::Surface;
 use curvetri::render::{Form, PacketWidth, Scene, UserRay, UserRays, answer_rays};
@@ -38,7 +37,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 }
 
 fn write(file: &Path) -> Result<ExitCode, Box<dyn Error>> {
-    let device = Device::new()?;
+    let device = curvetri::linked::device()?;
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
     let mut names: Vec<_> = std::fs::read_dir(folder)?
         .map(|entry| entry.map(|entry| entry.path()))
