@@ -400,7 +400,7 @@ pub(super) mod tests {
             if u + v > 1.0 {
                 (u, v) = (1.0 - u, 1.0 - v);
             }
-            self.kept(triangle).patch().point(u, v).position.into()
+            self.kept(triangle).unpack().point(u, v).position.into()
         }
 
         pub fn kept(&self, triangle: u32) -> PackedTriangle<'_> {

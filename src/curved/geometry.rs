@@ -185,11 +185,12 @@ impl CurvedMesh {
 
     /// Lays out what can be of a cluster: at once, as rays that come by one triangle come by its neighbours.
     fn lay(&self, block: &mut PatchBlock, cluster: &Cluster) {
-        let patch = |n: usize| self.kept(cluster.triangle(n));
-        let fit = lanes(cluster.present())
-            .filter(|&n| patch(n).fits_block())
-            .fold(0, |fit, n| fit | 1 << n);
-        block.unpack(fit, patch);
+        let mut triangles = [None; SIZE];
+        for n in lanes(cluster.present()) {
+            let triangle = self.kept(cluster.triangle(n));
+            triangles[n] = triangle.fits_block().then_some(triangle);
+        }
+        block.unpack(&triangles);
     }
 
     /// Offers the roots of some of a query's rays on a triangle.

@@ -199,7 +199,7 @@ impl CurvedMesh {
     /// # Panics
     /// If there is no such triangle.
     pub fn patch(&self, triangle: u32) -> Patch<f32> {
-        self.kept(triangle).patch()
+        self.kept(triangle).unpack()
     }
 
     #[inline(always)]

@@ -132,7 +132,7 @@ fn spheres(mesh: &Mesh, records: &[PackedPatch], bounds: BoundsKind) -> Spheres 
         return Spheres::default();
     }
     (records.par_iter().enumerate())
-        .map(|(triangle, record)| Spheres::of(kept(mesh, triangle, record).outline().sphere()))
+        .map(|(triangle, record)| Spheres::of(kept(mesh, triangle, record).sphere().as_ref()))
         .reduce(Spheres::default, |a, b| a + b)
 }
 

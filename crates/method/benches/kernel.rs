@@ -92,7 +92,7 @@ impl Triangle {
         }
     }
 
-    fn kept(&self) -> PackedTriangle<'_> {
+    fn packed_triangle(&self) -> PackedTriangle<'_> {
         let corners = TriangleVertices {
             positions: black_box(self.positions),
             normals: black_box(self.normals),
@@ -102,7 +102,7 @@ impl Triangle {
 
     /// Rays of one fate, from about one unit away.
     fn rays(&self, fate: Fate) -> Vec<Ray<f32>> {
-        let patch = self.kept().outline().complete();
+        let patch = self.packed_triangle().unpack();
         let mut state = 1u64;
         let mut unit = || {
             state = state
@@ -146,7 +146,7 @@ fn single(bencher: Bencher<'_, '_>, (method, fate): (Method, Fate)) {
     bencher.bench_local(|| {
         n = (n + 1) % RAYS;
         let ray = black_box(&rays[n]);
-        triangle.kept().intersect(ray, solver, true)
+        triangle.packed_triangle().intersect(ray, solver, true)
     });
 }
 
@@ -177,7 +177,7 @@ fn packet_of_16(bencher: Bencher<'_, '_>, (method, fate): (Method, Fate)) {
             tfar: &tfar[n..n + 16],
         };
         triangle
-            .kept()
+            .packed_triangle()
             .intersect_packet(black_box(&packet), 0xffff, solver, true)
     });
 }
@@ -187,7 +187,7 @@ fn packet_of_16(bencher: Bencher<'_, '_>, (method, fate): (Method, Fate)) {
 fn evaluation(bencher: Bencher<'_, '_>, surface: Surface) {
     let triangle = Triangle::new(PatchFlags::new(surface));
     let rays = triangle.rays(Fate::Hit);
-    let patch = triangle.kept().outline().complete();
+    let patch = triangle.packed_triangle().unpack();
     let segments: Vec<_> = rays
         .iter()
         .map(|ray| patch.segment(ray, &patch.clip(ray, true)))
@@ -199,16 +199,9 @@ fn evaluation(bencher: Bencher<'_, '_>, surface: Surface) {
     });
 }
 
-/// The patch from what is kept of it: half of it for the clip, and the whole.
-#[divan::bench(args = [false, true])]
-fn set_up(bencher: Bencher<'_, '_>, whole: bool) {
+/// The patch from its packed form.
+#[divan::bench]
+fn unpack(bencher: Bencher<'_, '_>) {
     let triangle = Triangle::new(PatchFlags::default());
-    bencher.bench_local(|| {
-        let outline = triangle.kept().outline();
-        if whole {
-            black_box(outline.complete());
-        } else {
-            black_box(outline);
-        }
-    });
+    bencher.bench_local(|| black_box(triangle.packed_triangle().unpack()));
 }

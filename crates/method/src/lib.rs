@@ -41,7 +41,8 @@ pub use bounds::DirectionalBounds;
 pub use build::BuiltPatch;
 pub use evaluate::SurfacePoint;
 pub use intersect::{
-    Hit, HitLanes, MAX_PARTS, PairHit, PairHits, Ray, RayInterval, RayLanes, Segment, Solver,
+    Hit, HitLanes, MAX_PARTS, PairHit, PairHits, Precision, Ray, RayInterval, RayLanes, Segment,
+    Solver,
 };
 pub use numbers::{
     Constant, Dual, Jet, Lanes, MAX_LANES, Mask, PATCHES, PatchMask, Patches, Quad, Real, Scalar,
@@ -50,4 +51,4 @@ pub use numbers::{
 pub use patch::{
     BoundsKind, FlatReason, Patch, PatchFlags, PatchKind, Sphere, Surface, TriangleVertices,
 };
-pub use store::{Outline, PackedPatch, PackedTriangle, PatchBlock, in_columns};
+pub use store::{PackedPatch, PackedTriangle, PatchBlock, in_columns};

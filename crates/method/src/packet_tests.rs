@@ -287,7 +287,9 @@ fn every_pair_of_a_block_is_its_ray_and_its_patch_alone() {
         for level in levels() {
             let mut block = PatchBlock::default();
             for which in batches {
-                block.unpack_at(level, which & !block.unpacked(), |k| triangles[k].kept());
+                let new = which & !block.unpacked();
+                let of = |k: usize| (new >> k & 1 != 0).then(|| triangles[k].kept());
+                block.unpack_at(level, &std::array::from_fn(of));
             }
             let mut hits = PairHits::default();
             let solver = Solver::default();

@@ -7,7 +7,7 @@ use crate::patch::{Patch, PatchKind, Rule, next};
 impl<S: Scalar> Patch<S> {
     /// A box that contains the surface, in the units and axes of the positions: lower and upper
     /// corner. Tight, or the sphere's, as [the flags](super::PatchFlags::with_bounds) ask for. Conservative, rounding included; empty (`lower > upper`) for a degenerate triangle.
-    pub fn bounds(&self) -> [Vector<S>; 2] {
+    pub(crate) fn surface_box(&self) -> [Vector<S>; 2] {
         let net = match self.rule {
             Rule::Flat => None,
             _ => Some(HeightNet::new(self, &height_intervals(self)).corrected(self)),

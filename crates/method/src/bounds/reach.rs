@@ -129,7 +129,7 @@ mod tests {
             }
             let slab = packed.slab().unwrap_or([0.0; 2]);
             let reach = DirectionalBounds::new(corners.positions, &corners.normals, slab);
-            let (patch, from) = (kept.patch(), corners.positions[n % 3]);
+            let (patch, from) = (kept.unpack(), corners.positions[n % 3]);
             let direction = Vector::from_f64(random.direction());
             let [lower, upper] = reach.along(direction, from);
             let room = 1e-5 * patch.size();

@@ -47,7 +47,7 @@ impl<S: Constant> Patch<S> {
         };
         for &[u, v] in PLACES.iter().chain(edges) {
             let (u, v) = (zero.constant(u), zero.constant(v));
-            look([one - u - v, u, v], self.normal_at(u, v));
+            look([one - u - v, u, v], self.geometric_normal(u, v));
         }
         let cubed = steepest * steepest.sqrt();
         furthest.sqrt() * zero.constant(SAMPLING_FACTOR) + cubed * zero.constant(CUBED) + all * zero

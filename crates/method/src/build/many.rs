@@ -8,7 +8,7 @@ use crate::numbers::{PATCHES, PatchMask, Patches, Vector, vector};
 use crate::patch::{
     BoundsKind, Patch, PatchFlags, PatchKind, Rule, Surface, TriangleFrame, TriangleVertices,
 };
-use crate::store::{Heights, PackedPatch, in_columns, pack_unevenness, vertices};
+use crate::store::{Contents, PackedPatch, in_columns, pack_unevenness, vertices};
 
 /// Takes a triangle's place in the list and what it was made into. One type for all who ask, since the
 /// code in lanes is large and there for each kind of processor.
@@ -33,7 +33,7 @@ impl BuiltPatch {
     /// How far the surface may lie off the triangle's plane at the most, in units of the patch's
     /// [size](TriangleVertices::size); none where there is no curved surface.
     pub fn greatest_height(&self) -> Option<f32> {
-        let [least, most] = self.packed.slab::<f32>()?;
+        let [least, most] = self.packed.slab()?;
         Some(most.max(-least))
     }
 
@@ -67,7 +67,7 @@ fn each_in_lanes<S: Simd>(
     flags: PatchFlags,
     take: Take<'_>,
 ) {
-    let mut made = Made::default();
+    let mut made = LaneResults::default();
     for (n, group) in triangles.chunks(PATCHES).enumerate() {
         let taken = make(simd, group, flags, &mut made);
         for (lane, triangle) in group.iter().enumerate() {
@@ -84,7 +84,12 @@ fn each_in_lanes<S: Simd>(
 /// Makes patches of up to eight triangles; one bit a lane for those that
 /// are curved by the rule that the surface asks for.
 #[inline(always)]
-fn make<S: Simd>(simd: S, group: &[TriangleVertices], flags: PatchFlags, made: &mut Made) -> u64 {
+fn make<S: Simd>(
+    simd: S,
+    group: &[TriangleVertices],
+    flags: PatchFlags,
+    made: &mut LaneResults,
+) -> u64 {
     // The last one again in lanes that are left.
     let columns = in_columns(
         #[inline(always)]
@@ -142,7 +147,7 @@ type Column = [f32; PATCHES];
 
 /// What patches in lanes were made into.
 #[derive(Default)]
-struct Made {
+struct LaneResults {
     slab: [Column; 2],
     correction: [[Column; 3]; 3],
     unit: Column,
@@ -150,10 +155,10 @@ struct Made {
     bounds: [[Column; 3]; 2],
 }
 
-impl Made {
+impl LaneResults {
     #[inline(always)]
     fn built(&self, lane: usize, flags: PatchFlags) -> BuiltPatch {
-        let heights = Heights {
+        let contents = Contents {
             slab: self.slab.each_ref().map(|column| column[lane]),
             correction: (self.correction.each_ref())
                 .map(|edge| edge.each_ref().map(|column| column[lane])),
@@ -162,7 +167,7 @@ impl Made {
         };
         let corner = |[x, y, z]: &[Column; 3]| vector(x[lane], y[lane], z[lane]);
         BuiltPatch {
-            packed: PackedPatch::new(PatchKind::Curved, flags, &heights),
+            packed: PackedPatch::new(PatchKind::Curved, flags, &contents),
             bounds: self.bounds.each_ref().map(corner),
         }
     }

@@ -15,15 +15,6 @@ use crate::patch::{
 use crate::store::{PackedPatch, pack_unevenness, unpack_unevenness};
 
 impl<S: Scalar> Patch<S> {
-    /// The curved triangle over three positions with unit normals.
-    ///
-    /// A pure function of its arguments: any two calls give the same patch. Positions may be in
-    /// any units; the patch's own rays and points are in the same ones. What the method cannot
-    /// take becomes flat or degenerate; see [`Patch::kind`].
-    pub fn new(positions: [Vector<S>; 3], normals: [Vector<S>; 3], flags: PatchFlags) -> Self {
-        Self::with_net(positions, normals, flags).0
-    }
-
     /// What is kept of the patch, and its box.
     pub(crate) fn built(
         positions: [Vector<S>; 3],
@@ -35,7 +26,7 @@ impl<S: Scalar> Patch<S> {
     }
 
     /// The patch and what bounds its heights, unless it is flat.
-    fn with_net(
+    pub(crate) fn with_net(
         positions: [Vector<S>; 3],
         normals: [Vector<S>; 3],
         flags: PatchFlags,

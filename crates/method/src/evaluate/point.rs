@@ -28,7 +28,7 @@ impl<S: Constant> Patch<S> {
     /// Analytic: derivatives are carried through the very source that computes the height. On a
     /// median, where the guide field has a kink, they are those of one side.
     #[inline(always)]
-    pub fn point<V: Real<Scalar = S>>(&self, u: V, v: V) -> SurfacePoint<V> {
+    pub(crate) fn surface_point<V: Real<Scalar = S>>(&self, u: V, v: V) -> SurfacePoint<V> {
         let foot = self.foot_at::<V, V>([u.constant(1.0) - u - v, u, v]);
         let h = self.height(&foot);
         let [to_second, to_third] = Vector::splat_both(u, self.spokes);
@@ -47,7 +47,7 @@ impl<S: Constant> Patch<S> {
     /// The surface's own geometric normal at barycentric coordinates `(1 - u - v, u, v)`:
     /// [`SurfacePoint::normal`] without the rest.
     #[inline(always)]
-    pub fn normal_at<V: Real<Scalar = S>>(&self, u: V, v: V) -> Vector<V> {
+    pub(crate) fn geometric_normal<V: Real<Scalar = S>>(&self, u: V, v: V) -> Vector<V> {
         if self.rule == Rule::Flat {
             return Vector::splat(u, self.normal * self.winding);
         }
@@ -59,7 +59,7 @@ impl<S: Constant> Patch<S> {
     /// from the plane to the surface, of equation (1), scaled so that its part along
     /// [`Patch::plane_normal`] is 1.
     #[inline(always)]
-    pub fn guide_at<V: Real<Scalar = S>>(&self, u: V, v: V) -> Vector<V> {
+    pub(crate) fn guide_vector<V: Real<Scalar = S>>(&self, u: V, v: V) -> Vector<V> {
         self.guide(&self.foot_at::<V, V>([u.constant(1.0) - u - v, u, v]))
     }
 

@@ -5,7 +5,6 @@ use super::ray::{Ray, localized};
 use crate::bounds::{OVERLAP_EPSILONS, RAY_EPSILONS};
 use crate::numbers::{Mask, Real, Scalar, Vector};
 use crate::patch::{ClipVolume, Sphere};
-use crate::store::Outline;
 
 /// The least sine of a grazing angle that is made up for on thin triangles.
 const LEAST_SINE: f64 = 1e-6;
@@ -129,13 +128,5 @@ impl<S: Scalar> Sphere<S> {
         let half = (square.greater(zero) / length2).sqrt();
         let (enter, leave) = ((nearest - half) * scale, (nearest + half) * scale);
         (enter, leave, zero.at_most(square))
-    }
-}
-
-impl<S: Scalar> Outline<'_, S> {
-    /// Where the ray can meet the surface at all, in the valid lanes.
-    #[inline(always)]
-    pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> RayInterval<V> {
-        self.clip_volume.clip(ray, valid)
     }
 }

@@ -23,7 +23,7 @@ pub(crate) fn trace_one<S: Simd>(
     normal: bool,
 ) -> (Hit<f32>, Vector<f32>) {
     let lanes = Quad(f32x4::splat(simd, 0.0));
-    let hit = patch.intersect_by(
+    let hit = patch.intersect_with_search(
         &interval.in_lanes(lanes),
         &ray.in_lanes(lanes),
         solver,
@@ -37,7 +37,7 @@ pub(crate) fn trace_one<S: Simd>(
         },
     );
     let normal = if normal && hit.found.any() {
-        let Vector { x, y, z } = patch.normal_at(hit.u, hit.v);
+        let Vector { x, y, z } = patch.geometric_normal(hit.u, hit.v);
         vector(x.0[0], y.0[0], z.0[0])
     } else {
         vector(0.0, 0.0, 0.0)
@@ -53,7 +53,7 @@ pub(crate) fn trace_one<S: Simd>(
     (hit, normal)
 }
 
-/// [`Patch::searched`] of one ray, which samples F at all parts' ends at once, one a lane.
+/// [`Patch::search_roots`] of one ray, which samples F at all parts' ends at once, one a lane.
 fn search<S: Simd>(simd: S, patch: &Patch<f32>, segment: Segment<f32>, solver: Solver) -> Hit<f32> {
     simd.vectorize(
         #[inline(always)]
@@ -62,12 +62,12 @@ fn search<S: Simd>(simd: S, patch: &Patch<f32>, segment: Segment<f32>, solver: S
                 #[inline(always)]
                 |segment: &Segment<f32>, steps| Some(sample(simd, patch, segment, steps)),
             );
-            patch.searched(segment, solver.denser(patch.is_high()), &sampler)
+            patch.search_roots(segment, solver.denser(patch.is_high()), &sampler)
         },
     )
 }
 
-/// [`Patch::searched`] of the lanes that are alive, one by one: there are few.
+/// [`Patch::search_roots`] of the lanes that are alive, one by one: there are few.
 #[inline(always)]
 pub(crate) fn search_lanes<S: Simd>(
     simd: S,
@@ -100,7 +100,7 @@ pub(crate) struct Searched {
     pub evaluations: u32,
 }
 
-/// [`Patch::searched`] of the lanes that are alive, one bit each, one by one: each lane's segment, a
+/// [`Patch::search_roots`] of the lanes that are alive, one bit each, one by one: each lane's segment, a
 /// column a number, on its patch.
 #[inline(always)]
 pub(crate) fn search_each<S: Simd, P: Borrow<Patch<f32>>>(

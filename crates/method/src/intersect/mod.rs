@@ -2,6 +2,7 @@
 
 mod bracketing;
 mod clip;
+mod entry;
 mod hit;
 mod ita;
 mod lane_search;
@@ -16,6 +17,7 @@ mod segment;
 mod single;
 
 pub use clip::RayInterval;
+pub use entry::Precision;
 pub use hit::{Hit, Solver};
 pub use packet::{HitLanes, RayLanes};
 pub use pairs::{PairHit, PairHits};

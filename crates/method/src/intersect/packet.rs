@@ -8,7 +8,7 @@ use super::lane_search::{search_lanes, trace_one};
 use super::ray::Ray;
 use super::single::Single;
 use crate::numbers::{LaneMask, Lanes, MAX_LANES, Vector, inlined, vector};
-use crate::store::{Outline, PackedTriangle, surface};
+use crate::store::PackedTriangle;
 
 /// Up to 16 rays, one slice a component, all of the same length.
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +58,6 @@ impl PackedTriangle<'_> {
     ///
     /// # Panics
     /// If the slices differ in length, or there are more than 16 rays.
-    #[inline]
     pub fn intersect_packet(
         &self,
         rays: &RayLanes<'_>,
@@ -96,7 +95,7 @@ impl PackedTriangle<'_> {
             evaluations: 0,
         };
         // Laid out within, so that the level's instructions serve that as well.
-        dispatch!(level, simd => trace(simd, &self.outline(), rays, asked, &mut hits));
+        dispatch!(level, simd => trace(simd, self, rays, asked, &mut hits));
         hits
     }
 
@@ -106,7 +105,6 @@ impl PackedTriangle<'_> {
     /// The answer is bit for bit that of [`Patch::intersect`] and [`Patch::normal_at`], but for the count
     /// of evaluations: a ray that may meet the surface several times has it sampled in many places at
     /// once, also in those beyond the first root.
-    #[inline]
     pub fn intersect(
         &self,
         ray: &Ray<f32>,
@@ -129,16 +127,16 @@ impl PackedTriangle<'_> {
         dispatch!(level, simd => {
             let (interval, frame) = match self.single_slab() {
                 Some(slab) => {
-                    let single = Single::new(simd, self.corners(), slab);
+                    let single = Single::new(simd, self.vertices(), slab);
                     (single.clip(ray), Some(single.frame))
                 }
                 None => {
-                    let outline = self.outline();
-                    (outline.clip(ray, true), outline.frame)
+                    let frame = self.frame();
+                    (self.clip_volume(frame.as_ref()).clip(ray, true), frame)
                 }
             };
-            if let Some(frame) = frame && interval.alive {
-                let patch = surface(&frame, &self.corners().normals, self.packed());
+            if frame.is_some() && interval.alive {
+                let patch = self.unpack_surface(frame.as_ref());
                 found = trace_one(simd, &patch, &interval, ray, solver, normal);
             }
         });
@@ -150,26 +148,28 @@ impl PackedTriangle<'_> {
 #[inline(always)]
 fn trace<S: Simd>(
     simd: S,
-    outline: &Outline<'_, f32>,
+    triangle: &PackedTriangle<'_>,
     rays: &RayLanes<'_>,
     asked: Requested,
     hits: &mut HitLanes,
 ) {
+    let frame = triangle.frame();
+    let clip_volume = triangle.clip_volume(frame.as_ref());
     let mut patch = None;
     for first in (0..rays.tnear.len()).step_by(S::f32s::LEN) {
         let valid = S::mask32s::from_bitmask(simd, u64::from(asked.valid >> first));
         let ray = load_ray(simd, rays, first);
-        let interval = outline.clip(&ray, LaneMask(valid));
+        let interval = clip_volume.clip(&ray, LaneMask(valid));
         if interval.is_empty() {
             continue;
         }
         let patch = &*patch.get_or_insert_with(
             #[inline(always)]
-            || outline.surface(),
+            || triangle.unpack_surface(frame.as_ref()),
         );
         let hit = match asked.solver {
-            Solver::Ita { .. } => patch.intersect_within(&interval, &ray, asked.solver),
-            Solver::Bracketing { .. } => patch.intersect_by(
+            Solver::Ita { .. } => patch.intersect_clipped(&interval, &ray, asked.solver),
+            Solver::Bracketing { .. } => patch.intersect_with_search(
                 &interval,
                 &ray,
                 asked.solver,
@@ -187,7 +187,7 @@ fn trace<S: Simd>(
         hit.u.store(&mut hits.u, first);
         hit.v.store(&mut hits.v, first);
         if asked.normals {
-            let normal = patch.normal_at(hit.u, hit.v);
+            let normal = patch.geometric_normal(hit.u, hit.v);
             normal.x.store(&mut hits.normal[0], first);
             normal.y.store(&mut hits.normal[1], first);
             normal.z.store(&mut hits.normal[2], first);

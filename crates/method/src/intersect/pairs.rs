@@ -217,7 +217,7 @@ impl PatchBlock {
             alive: P::lanes(simd, there),
         };
         let segment = Segment::new(&patch, &ray, &interval);
-        let hit = patch.surface_hit(
+        let hit = patch.curved_hit(
             segment,
             solver,
             #[inline(always)]
@@ -226,7 +226,7 @@ impl PatchBlock {
                 if few | (segment.alive & patch.is_high()).any() {
                     self.search_pairs(simd, &segment, number, solver)
                 } else {
-                    patch.searched(segment, solver, &|_, _| None)
+                    patch.search_roots(segment, solver, &|_, _| None)
                 }
             },
         );
@@ -241,14 +241,14 @@ impl PatchBlock {
         hit.u.store(&mut hits.u[first..]);
         hit.v.store(&mut hits.v[first..]);
         if normals {
-            let normal = patch.normal_at(hit.u, hit.v);
+            let normal = patch.geometric_normal(hit.u, hit.v);
             normal.x.store(&mut hits.normal[0][first..]);
             normal.y.store(&mut hits.normal[1][first..]);
             normal.z.store(&mut hits.normal[2][first..]);
         }
     }
 
-    /// [`Patch::searched`] of the pairs that are alive, one by one: there are few.
+    /// [`Patch::search_roots`] of the pairs that are alive, one by one: there are few.
     #[inline(always)]
     fn search_pairs<S: Simd, P: PairLanes<S>>(
         &self,

@@ -68,6 +68,6 @@ pub(crate) fn localized<V: Real>(
 impl PackedTriangle<'_> {
     /// The same as [`Patch::beyond`].
     pub fn beyond(&self, ray: &Ray<f32>, t: f32) -> f32 {
-        beyond(self.corners.positions[0], self.outline().size(), ray, t)
+        beyond(self.vertices().positions[0], self.vertices().size(), ray, t)
     }
 }

@@ -27,11 +27,15 @@ const HIGH_SLAB: f64 = 0.4;
 const NOISE_EPSILONS: f64 = 2.0;
 
 impl<S: Scalar> Patch<S> {
-    /// The first hit with `tnear < t <= tfar`.
+    /// The first hits with `tnear < t <= tfar`: the rays are clipped, and then the surface is searched.
     #[inline(always)]
-    pub fn intersect<V: Real<Scalar = S>>(&self, ray: &Ray<V>, solver: Solver) -> Hit<V> {
+    pub(crate) fn intersect_lanes<V: Real<Scalar = S>>(
+        &self,
+        ray: &Ray<V>,
+        solver: Solver,
+    ) -> Hit<V> {
         let interval = self.clip(ray, ray.tnear.mask(true));
-        self.intersect_within(&interval, ray, solver)
+        self.intersect_clipped(&interval, ray, solver)
     }
 
     /// Where the ray can meet the surface at all, in the valid lanes.
@@ -50,38 +54,27 @@ impl<S: Scalar> Patch<S> {
         Segment::new(self, ray, interval)
     }
 
-    /// The same as [`Patch::intersect`] for a ray that was [clipped](Patch::clip) before.
+    /// The first hits of rays that were [clipped](Patch::clip) before; those with several crossings are searched
+    /// in all lanes together.
     #[inline(always)]
-    pub fn intersect_within<V: Real<Scalar = S>>(
+    pub(crate) fn intersect_clipped<V: Real<Scalar = S>>(
         &self,
         interval: &RayInterval<V>,
         ray: &Ray<V>,
         solver: Solver,
     ) -> Hit<V> {
-        self.intersect_sampled(interval, ray, solver, |_, _| None)
-    }
-
-    /// The same with a function that may know F at equal steps along a segment.
-    #[inline(always)]
-    pub(crate) fn intersect_sampled<V: Real<Scalar = S>>(
-        &self,
-        interval: &RayInterval<V>,
-        ray: &Ray<V>,
-        solver: Solver,
-        sampler: impl Fn(&Segment<V>, Steps<V>) -> Option<Samples<V>>,
-    ) -> Hit<V> {
-        self.intersect_by(
+        self.intersect_with_search(
             interval,
             ray,
             solver,
             #[inline(always)]
-            |segment| self.searched(segment, solver.denser(self.is_high()), &sampler),
+            |segment| self.search_roots(segment, solver.denser(self.is_high()), &|_, _| None),
         )
     }
 
-    /// The same with a function that finds the hits of rays that may have several crossings.
+    /// The same with another search for the rays that may have several crossings.
     #[inline(always)]
-    pub(crate) fn intersect_by<V: Real<Scalar = S>>(
+    pub(crate) fn intersect_with_search<V: Real<Scalar = S>>(
         &self,
         interval: &RayInterval<V>,
         ray: &Ray<V>,
@@ -93,8 +86,8 @@ impl<S: Scalar> Patch<S> {
         }
         let segment = Segment::new(self, ray, interval);
         let hit = match self.rule {
-            Rule::Flat => self.plane_hit(&segment),
-            _ => self.surface_hit(segment, solver, search),
+            Rule::Flat => self.flat_hit(&segment),
+            _ => self.curved_hit(segment, solver, search),
         };
         Hit {
             found: hit.found & ray.tnear.less(hit.t) & hit.t.at_most(ray.tfar),
@@ -103,7 +96,7 @@ impl<S: Scalar> Patch<S> {
     }
 
     #[inline(always)]
-    fn plane_hit<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Hit<V> {
+    fn flat_hit<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Hit<V> {
         let (at, inside) = segment.plane_crossing();
         let b = segment.projection(at);
         let ([u, v], moved) = self.moved_inside(b, inside);
@@ -133,7 +126,7 @@ impl<S: Scalar> Patch<S> {
 impl<S: Constant> Patch<S> {
     /// Finds the first hits of rays that may meet the surface several times.
     #[inline(always)]
-    pub(crate) fn searched<V: Real<Scalar = S>>(
+    pub(crate) fn search_roots<V: Real<Scalar = S>>(
         &self,
         mut segment: Segment<V>,
         solver: Solver,
@@ -226,7 +219,7 @@ impl<S: Constant> Patch<S> {
 
     /// The hits of rays that are known to have a single crossing first, and of the others by a search.
     #[inline(always)]
-    pub(crate) fn surface_hit<V: Real<Scalar = S>>(
+    pub(crate) fn curved_hit<V: Real<Scalar = S>>(
         &self,
         mut segment: Segment<V>,
         solver: Solver,

@@ -36,9 +36,9 @@ impl PackedTriangle<'_> {
 impl<S: Simd> Single<S> {
     /// Of a triangle with such a [slab](PackedTriangle::single_slab).
     #[inline(always)]
-    pub fn new(simd: S, corners: &TriangleVertices, [least, most]: [f32; 2]) -> Self {
-        let normals = in_lanes(simd, &corners.normals);
-        let positions = in_lanes(simd, &corners.positions);
+    pub fn new(simd: S, vertices: &TriangleVertices, [least, most]: [f32; 2]) -> Self {
+        let normals = in_lanes(simd, &vertices.normals);
+        let positions = in_lanes(simd, &vertices.positions);
         let edge_vectors = next(simd, positions) - positions;
         let lanes = edge_vectors.x;
         let [a, b, c, _] = numbers(edge_vectors.max_abs());
@@ -52,7 +52,7 @@ impl<S: Simd> Single<S> {
         let longest = Choice::longest([a, b, c]);
         let cross = longest.pick_vector([crosses[1], crosses[2], crosses[0]]);
         let frame = TriangleFrame {
-            origin: corners.positions[0],
+            origin: vertices.positions[0],
             size,
             edge_vectors: vectors(edge_vectors),
             lengths2: [a, b, c],
@@ -61,7 +61,7 @@ impl<S: Simd> Single<S> {
             area2: cross.length(),
             winding: 1.0,
         };
-        let frame = frame.oriented(&corners.normals);
+        let frame = frame.oriented(&vertices.normals);
         let guides = normals + next(simd, normals);
         let up = frame.cross * frame.winding;
         let (winding, area2) = (lanes.splat(frame.winding), lanes.splat(frame.area2));

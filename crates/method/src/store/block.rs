@@ -42,7 +42,7 @@ impl PackedTriangle<'_> {
     fn source(&self) -> [f32; SOURCE] {
         let mut source = [0.0; SOURCE];
         let packed = self.packed();
-        self.corners().write(&mut source[..VERTICES]);
+        self.vertices().write(&mut source[..VERTICES]);
         source[VERTICES..20].copy_from_slice(&packed.slab);
         for (to, from) in source[20..29].chunks_exact_mut(3).zip(packed.correction()) {
             to.copy_from_slice(&from);
@@ -74,44 +74,39 @@ impl PatchBlock {
         self.unpacked
     }
 
-    /// Lays out some patches, one bit each, that [fit](PackedTriangle::fits_block) and are of one surface.
-    pub fn unpack<'a>(&mut self, which: u32, of: impl Fn(usize) -> PackedTriangle<'a>) {
-        self.unpack_at(Level::new(), which, of);
+    /// Unpacks triangles, each into its place; those that are given all [fit](PackedTriangle::fits_block) and
+    /// are of one surface.
+    pub fn unpack(&mut self, triangles: &[Option<PackedTriangle<'_>>; PATCHES]) {
+        self.unpack_at(Level::new(), triangles);
     }
 
     /// The same with the instructions of one level.
-    pub(crate) fn unpack_at<'a>(
+    pub(crate) fn unpack_at(
         &mut self,
         level: Level,
-        which: u32,
-        of: impl Fn(usize) -> PackedTriangle<'a>,
+        triangles: &[Option<PackedTriangle<'_>>; PATCHES],
     ) {
-        // All are read before anything is done with one: then the processor waits for them side by side.
-        let mut all = [None; PATCHES];
-        let mut left = which;
-        while left != 0 {
-            let n = left.trailing_zeros() as usize;
-            all[n] = Some(of(n));
-            left &= left - 1;
-        }
-        let Some(first) = all.iter().flatten().next() else {
+        let Some(first) = triangles.iter().flatten().next() else {
             return;
         };
         let flags = first.packed().flags();
-        debug_assert!(all.iter().flatten().all(PackedTriangle::fits_block));
+        debug_assert!(triangles.iter().flatten().all(PackedTriangle::fits_block));
         // Something sound in the other lanes.
         let columns = in_columns(
             #[inline(always)]
-            |n| all[n].as_ref().unwrap_or(first).source(),
+            |n| triangles[n].as_ref().unwrap_or(first).source(),
         );
-        dispatch!(level, simd => self.unpack_columns(simd, which, flags, &columns));
+        let places = (triangles.iter().enumerate()).fold(0, |places, (n, triangle)| {
+            places | u32::from(triangle.is_some()) << n
+        });
+        dispatch!(level, simd => self.unpack_columns(simd, places, flags, &columns));
     }
 
     #[inline(always)]
     fn unpack_columns<S: Simd>(
         &mut self,
         simd: S,
-        which: u32,
+        places: u32,
         flags: PatchFlags,
         columns: &[[f32; PATCHES]; SOURCE],
     ) {
@@ -132,7 +127,7 @@ impl PatchBlock {
         }
         patch.slab = slab;
         patch.unevenness = number(29);
-        let lanes = PatchMask(mask32x8::from_bitmask(simd, which.into()));
+        let lanes = PatchMask(mask32x8::from_bitmask(simd, places.into()));
         hull.visit(&mut Store {
             columns: &mut self.clip_volumes,
             lanes,
@@ -141,7 +136,7 @@ impl PatchBlock {
             columns: &mut self.patches,
             lanes,
         });
-        self.unpacked |= which;
+        self.unpacked |= places;
         self.any_obtuse |= patch.any_obtuse;
     }
 

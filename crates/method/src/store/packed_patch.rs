@@ -44,29 +44,29 @@ const KINDS: [PatchKind; 9] = [
 impl PackedPatch {
     /// Of a triangle without area, which nothing is known of yet.
     pub fn blank(flags: PatchFlags) -> Self {
-        let heights = Heights {
+        let contents = Contents {
             slab: [0.0; 2],
             correction: [[0.0; 3]; 3],
             unit: 1.0,
             unevenness: UNKNOWN,
         };
-        Self::new(PatchKind::Degenerate, flags, &heights)
+        Self::new(PatchKind::Degenerate, flags, &contents)
     }
 
     /// Of a patch without a sphere.
     #[inline]
-    pub(crate) fn new(kind: PatchKind, flags: PatchFlags, heights: &Heights) -> Self {
+    pub(crate) fn new(kind: PatchKind, flags: PatchFlags, contents: &Contents) -> Self {
         let kind = KINDS.iter().position(|&listed| listed == kind);
-        let per_unit = 1.0 / heights.unit;
+        let per_unit = 1.0 / contents.unit;
         Self {
-            slab: heights.slab,
-            correction: heights
+            slab: contents.slab,
+            correction: contents
                 .correction
                 .map(|edge| edge.map(|c| (c * per_unit) as i16)),
             flags,
             kind: kind.expect("every kind is in the list") as u8,
-            unevenness: heights.unevenness,
-            exponent: (((heights.unit.to_bits() >> 23) & 0xff) as i32 - 127) as i8,
+            unevenness: contents.unevenness,
+            exponent: (((contents.unit.to_bits() >> 23) & 0xff) as i32 - 127) as i8,
             enlargement: Enlargement::default(),
         }
     }
@@ -90,11 +90,8 @@ impl PackedPatch {
 
     /// Least and greatest height, unless the triangle is plane.
     #[inline(always)]
-    pub(crate) fn slab<S: Scalar>(&self) -> Option<[S; 2]> {
-        self.is_curved().then(|| {
-            let [least, most] = self.slab;
-            [S::from_f64(least.into()), S::from_f64(most.into())]
-        })
+    pub(crate) fn slab(&self) -> Option<[f32; 2]> {
+        self.is_curved().then_some(self.slab)
     }
 
     /// How far the surface's slope is off a paraboloid's at the most; infinite where that is not known.
@@ -105,7 +102,7 @@ impl PackedPatch {
 
     /// The correction's coefficients, an edge each.
     #[inline(always)]
-    pub(crate) fn correction<S: Scalar>(&self) -> [[S; 3]; 3] {
+    pub(crate) fn correction(&self) -> [[f32; 3]; 3] {
         let unit = power_of_two(self.exponent.into());
         // Not by `map`, which is called, and the vectors' halves of it wait for each other.
         three(
@@ -114,7 +111,7 @@ impl PackedPatch {
                 let edge = &self.correction[k];
                 three(
                     #[inline(always)]
-                    |n| S::from_f64((f32::from(edge[n]) * unit).into()),
+                    |n| f32::from(edge[n]) * unit,
                 )
             },
         )
@@ -125,7 +122,7 @@ impl<S: Scalar> Patch<S> {
     /// What [`Patch::unpack`] needs to know beside the vertices.
     pub fn pack(&self, flags: PatchFlags) -> PackedPatch {
         let single = |value: S| value.to_f64() as f32;
-        let heights = Heights {
+        let contents = Contents {
             slab: self.slab.map(single),
             correction: self.edges.map(|edge| edge.correction.map(single)),
             unit: single(self.correction_unit()),
@@ -134,13 +131,13 @@ impl<S: Scalar> Patch<S> {
         let sphere = self.sphere();
         PackedPatch {
             enlargement: sphere.map_or_else(Default::default, |sphere| sphere.enlargement()),
-            ..PackedPatch::new(self.kind, flags, &heights)
+            ..PackedPatch::new(self.kind, flags, &contents)
         }
     }
 }
 
-/// What a record keeps of a patch's heights.
-pub(crate) struct Heights {
+/// What a record keeps of a patch's contents.
+pub(crate) struct Contents {
     pub slab: [f32; 2],
     /// Rounded to whole units.
     pub correction: [[f32; 3]; 3],
@@ -191,7 +188,7 @@ mod tests {
                 );
             }
             let packed = patch.pack(PatchFlags::default());
-            assert_eq!(packed.correction::<f64>(), rounded);
+            assert_eq!(packed.correction().map(|edge| edge.map(f64::from)), rounded);
             patch.round_correction();
             assert_eq!(patch.edges.map(|edge| edge.correction), rounded);
         }
