@@ -46,7 +46,7 @@ pub use intersect::{
 };
 pub use numbers::{
     Constant, Dual, Jet, Lanes, MAX_LANES, Mask, PATCHES, PatchMask, Patches, Quad, Real, Scalar,
-    Vector, inlined, load_lanes, three, vector,
+    SetBits, Vector, inlined, load_lanes, set_bits, three, vector,
 };
 pub use patch::{
     BoundsKind, FlatReason, Patch, PatchFlags, PatchKind, Sphere, Surface, TriangleVertices,

@@ -1,14 +1,19 @@
 //! Many triangles made into patches at once, one in each SIMD lane: what is kept of them and their
 //! boxes, bit for bit what [`Patch::new`] makes of each alone.
 
-use fearless_simd::{Level, dispatch, prelude::*};
+use fearless_simd::{Level, dispatch, f32x8, mask32x8, prelude::*};
 
 use super::validity::{folds, shears};
-use crate::numbers::{PATCHES, PatchMask, Patches, Vector, vector};
+use crate::numbers::{Cursor, Fields, PATCHES, PatchMask, Patches, Real, Vector, to_array};
 use crate::patch::{
     BoundsKind, Patch, PatchFlags, PatchKind, Rule, Surface, TriangleFrame, TriangleVertices,
 };
-use crate::store::{Contents, PackedPatch, in_columns, pack_unevenness, vertices};
+use crate::store::{
+    Columns, Contents, PackedPatch, in_columns, load_lanes, load_one, pack_unevenness, store_lanes,
+};
+
+/// How many numbers a triangle's vertices are.
+const VERTICES: usize = TriangleVertices::<f32>::COUNT;
 
 /// Takes a triangle's place in the list and what it was made into. One type for all who ask, since the
 /// code in lanes is large and there for each kind of processor.
@@ -67,12 +72,12 @@ fn each_in_lanes<S: Simd>(
     flags: PatchFlags,
     take: Take<'_>,
 ) {
-    let mut made = LaneResults::default();
+    let mut made = [[0.0; PATCHES]; BUILT];
     for (n, group) in triangles.chunks(PATCHES).enumerate() {
         let taken = make(simd, group, flags, &mut made);
         for (lane, triangle) in group.iter().enumerate() {
             let built = if taken & 1 << lane != 0 {
-                made.built(lane, flags)
+                load_one(&made, lane, BuiltNumbers::blank()).pack(flags)
             } else {
                 BuiltPatch::new(triangle, flags)
             };
@@ -88,14 +93,15 @@ fn make<S: Simd>(
     simd: S,
     group: &[TriangleVertices],
     flags: PatchFlags,
-    made: &mut LaneResults,
+    made: &mut Columns<BUILT>,
 ) -> u64 {
     // The last one again in lanes that are left.
     let columns = in_columns(
         #[inline(always)]
-        |lane| group[lane.min(group.len() - 1)].numbers(),
+        |lane| to_array::<_, VERTICES>(group[lane.min(group.len() - 1)], 0.0),
     );
-    let [positions, normals] = vertices(simd, &columns);
+    let blank = TriangleVertices::blank(Patches(f32x8::splat(simd, 0.0)));
+    let TriangleVertices { positions, normals } = load_lanes(simd, &columns, blank);
     let frame = TriangleFrame::of_sound(&positions, &normals);
     let PatchMask(sound) = frame.is_sound(&positions);
     let mut taken = sound.to_bitmask() & (u64::MAX >> (64 - group.len()));
@@ -125,57 +131,80 @@ fn make<S: Simd>(
             );
         }
         let net = checks.net.corrected(&patch);
-        made.slab = net.slab().map(Patches::numbers);
-        for (to, edge) in made.correction.iter_mut().zip(&patch.edges) {
-            for (to, &coefficient) in to.iter_mut().zip(&edge.correction) {
-                *to = coefficient.numbers();
-            }
-        }
-        made.unit = patch.correction_unit().numbers();
-        made.unevenness = simd.vectorize(
-            #[inline(always)]
-            || patch.unevenness(&normals).numbers(),
-        );
-        let [lower, upper] = patch.tight_box(Some(&net));
-        made.bounds = [corner(lower), corner(upper)];
+        let numbers = BuiltNumbers {
+            slab: net.slab(),
+            correction: patch.edges.each_ref().map(|edge| edge.correction),
+            unit: patch.correction_unit(),
+            unevenness: simd.vectorize(
+                #[inline(always)]
+                || patch.unevenness(&normals),
+            ),
+            bounds: patch.tight_box(Some(&net)),
+        };
+        let all = PatchMask(mask32x8::splat(simd, true));
+        store_lanes(numbers, made, all);
     }
     taken
 }
 
-/// A number a lane.
-type Column = [f32; PATCHES];
-
-/// What patches in lanes were made into.
-#[derive(Default)]
-struct LaneResults {
-    slab: [Column; 2],
-    correction: [[Column; 3]; 3],
-    unit: Column,
-    unevenness: Column,
-    bounds: [[Column; 3]; 2],
+/// What a patch is packed from, and its box.
+#[derive(Clone, Copy)]
+struct BuiltNumbers<V> {
+    slab: [V; 2],
+    correction: [[V; 3]; 3],
+    unit: V,
+    unevenness: V,
+    bounds: [Vector<V>; 2],
 }
 
-impl LaneResults {
+/// How many numbers that are.
+const BUILT: usize = BuiltNumbers::<f32>::COUNT;
+
+impl<V: Real> Fields<V> for BuiltNumbers<V> {
+    const COUNT: usize = 2 + 9 + 1 + 1 + 2 * 3;
+
     #[inline(always)]
-    fn built(&self, lane: usize, flags: PatchFlags) -> BuiltPatch {
-        let contents = Contents {
-            slab: self.slab.each_ref().map(|column| column[lane]),
-            correction: (self.correction.each_ref())
-                .map(|edge| edge.each_ref().map(|column| column[lane])),
-            unit: self.unit[lane],
-            unevenness: pack_unevenness(self.unevenness[lane]),
-        };
-        let corner = |[x, y, z]: &[Column; 3]| vector(x[lane], y[lane], z[lane]);
-        BuiltPatch {
-            packed: PackedPatch::new(PatchKind::Curved, flags, &contents),
-            bounds: self.bounds.each_ref().map(corner),
+    fn visit(&mut self, cursor: &mut impl Cursor<V>) {
+        cursor.number(&mut self.slab[0]);
+        cursor.number(&mut self.slab[1]);
+        let [a, b, c] = &mut self.correction;
+        for edge in [a, b, c] {
+            cursor.number(&mut edge[0]);
+            cursor.number(&mut edge[1]);
+            cursor.number(&mut edge[2]);
         }
+        cursor.number(&mut self.unit);
+        cursor.number(&mut self.unevenness);
+        cursor.vector(&mut self.bounds[0]);
+        cursor.vector(&mut self.bounds[1]);
     }
 }
 
-#[inline(always)]
-fn corner<S: Simd>(vector: Vector<Patches<S>>) -> [Column; 3] {
-    [vector.x.numbers(), vector.y.numbers(), vector.z.numbers()]
+impl BuiltNumbers<f32> {
+    #[inline(always)]
+    fn blank() -> Self {
+        Self {
+            slab: [0.0; 2],
+            correction: [[0.0; 3]; 3],
+            unit: 0.0,
+            unevenness: 0.0,
+            bounds: [Vector::default(); 2],
+        }
+    }
+
+    #[inline(always)]
+    fn pack(&self, flags: PatchFlags) -> BuiltPatch {
+        let contents = Contents {
+            slab: self.slab,
+            correction: self.correction,
+            unit: self.unit,
+            unevenness: pack_unevenness(self.unevenness),
+        };
+        BuiltPatch {
+            packed: PackedPatch::new(PatchKind::Curved, flags, &contents),
+            bounds: self.bounds,
+        }
+    }
 }
 
 #[cfg(test)]

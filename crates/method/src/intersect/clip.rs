@@ -4,7 +4,7 @@
 use super::ray::{Ray, localized};
 use crate::bounds::{OVERLAP_EPSILONS, RAY_EPSILONS};
 use crate::numbers::{Mask, Real, Scalar, Vector};
-use crate::patch::{ClipVolume, Sphere};
+use crate::patch::{ClipVolume, HalfSpace, Sphere};
 
 /// The least sine of a grazing angle that is made up for on thin triangles.
 const LEAST_SINE: f64 = 1e-6;
@@ -28,7 +28,6 @@ impl<S: Scalar> ClipVolume<S> {
     pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> RayInterval<V> {
         let [from, along] = localized(ray, self.origin, self.unit);
         let lanes = ray.tnear;
-        let zero = lanes.constant(0.0);
         let distance = from.max_abs();
         // Not cut at the ray's end, which is the nearest hit so far: the root must not depend on the
         // order in which patches are come by.
@@ -36,21 +35,16 @@ impl<S: Scalar> ClipVolume<S> {
         let mut alive = valid & lanes.mask(self.exists);
         let grazing = self.grazing(along, distance);
         for plane in &self.planes {
-            let normal = Vector::splat(lanes, plane.normal);
-            let offset = lanes
-                .splat(plane.distance_tolerance)
-                .mul_add(distance, lanes.splat(plane.offset));
-            let mut value = normal.dot(from) + offset;
-            let rate = normal.dot(along);
+            let plane = plane.in_lanes(lanes);
+            let mut value = plane.value(from, distance);
+            let rate = plane.normal.dot(along);
             if let Some([reach, later]) = grazing {
-                value =
-                    value + reach * (rate.abs() * later + lanes.splat(plane.distance_tolerance));
+                value = value + reach * (rate.abs() * later + plane.distance_tolerance);
             }
-            let crossing = -(value / rate);
-            let (enters, leaves) = (zero.less(rate), rate.less(zero));
-            lo = V::select(enters, crossing, lo).greater(lo);
-            hi = V::select(leaves, crossing, hi).lesser(hi);
-            alive = alive & (enters | leaves | zero.at_most(value));
+            let cut = Cut::new(value, rate);
+            lo = cut.entry.greater(lo);
+            hi = cut.exit.lesser(hi);
+            alive = alive & cut.passes;
         }
         if let Some(sphere) = &self.sphere {
             let (enters, leaves, meets) = sphere.chord(from, along, distance);
@@ -58,11 +52,7 @@ impl<S: Scalar> ClipVolume<S> {
             hi = leaves.lesser(hi);
             alive = alive & meets;
         }
-        RayInterval {
-            start: lo,
-            length: hi - lo,
-            alive: alive & lo.at_most(hi) & lo.at_most(ray.tfar),
-        }
+        RayInterval::between(lo, hi, alive, ray.tfar)
     }
 
     /// For the rays at a thin triangle: how far rounding reaches, in its epsilons, and how much later
@@ -78,7 +68,63 @@ impl<S: Scalar> ClipVolume<S> {
     }
 }
 
+impl<S: Scalar> HalfSpace<S> {
+    /// The same half-space in every lane of a value like this one.
+    #[inline(always)]
+    fn in_lanes<V: Real<Scalar = S>>(&self, lanes: V) -> HalfSpace<V> {
+        HalfSpace {
+            normal: Vector::splat(lanes, self.normal),
+            offset: lanes.splat(self.offset),
+            distance_tolerance: lanes.splat(self.distance_tolerance),
+        }
+    }
+}
+
+impl<V: Real> HalfSpace<V> {
+    /// How far inside a point is, times the normal's length, for rays that come from this distance.
+    #[inline(always)]
+    pub(crate) fn value(&self, from: Vector<V>, distance: V) -> V {
+        self.normal.dot(from) + self.distance_tolerance.mul_add(distance, self.offset)
+    }
+}
+
+/// The part of a ray that lies in a half-space.
+pub(crate) struct Cut<V: Real> {
+    /// Where the ray enters, in its parameter; minus infinity if it does not.
+    pub entry: V,
+    /// Where it leaves; infinity if it does not.
+    pub exit: V,
+    /// Whether there is such a part.
+    pub passes: V::Mask,
+}
+
+impl<V: Real> Cut<V> {
+    /// Of a ray that starts with this [value](HalfSpace::value), which changes at this rate.
+    #[inline(always)]
+    pub fn new(value: V, rate: V) -> Self {
+        let zero = value.constant(0.0);
+        let endless = value.constant(f64::INFINITY);
+        let crossing = -(value / rate);
+        let (enters, leaves) = (zero.less(rate), rate.less(zero));
+        Self {
+            entry: V::select(enters, crossing, -endless),
+            exit: V::select(leaves, crossing, endless),
+            passes: enters | leaves | zero.at_most(value),
+        }
+    }
+}
+
 impl<V: Real> RayInterval<V> {
+    /// Between two parameters, where the second is not less and the ray gets to the first.
+    #[inline(always)]
+    pub(crate) fn between(lo: V, hi: V, alive: V::Mask, tfar: V) -> Self {
+        Self {
+            start: lo,
+            length: hi - lo,
+            alive: alive & lo.at_most(hi) & lo.at_most(tfar),
+        }
+    }
+
     /// Whether no lane's ray comes near the surface.
     #[inline(always)]
     pub fn is_empty(&self) -> bool {

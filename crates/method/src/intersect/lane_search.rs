@@ -9,7 +9,9 @@ use super::hit::{Hit, Solver};
 use super::ray::Ray;
 use super::root::{MAX_PARTS, Samples, Steps};
 use super::segment::{SEGMENT_NUMBERS, Segment};
-use crate::numbers::{LaneMask, Lanes, MAX_LANES, Mask, Quad, Real, Vector, inlined, vector};
+use crate::numbers::{
+    LaneMask, Lanes, MAX_LANES, Mask, Quad, Real, Vector, inlined, set_bits, vector,
+};
 use crate::patch::Patch;
 
 /// One ray in all lanes of a quad.
@@ -33,7 +35,7 @@ pub(crate) fn trace_one<S: Simd>(
             for (number, value) in numbers.iter_mut().zip(segment.numbers()) {
                 *number = value.0[0];
             }
-            search(simd, patch, Segment::from_numbers(numbers, true), solver).in_lanes(lanes)
+            search(simd, patch, Segment::from_numbers(&numbers, true), solver).in_lanes(lanes)
         },
     );
     let normal = if normal && hit.found.any() {
@@ -106,7 +108,7 @@ pub(crate) struct Searched {
 pub(crate) fn search_each<S: Simd, P: Borrow<Patch<f32>>>(
     simd: S,
     columns: &[[f32; MAX_LANES]; SEGMENT_NUMBERS],
-    mut alive: u64,
+    alive: u64,
     patch: impl Fn(usize) -> P,
     solver: Solver,
 ) -> Searched {
@@ -115,14 +117,12 @@ pub(crate) fn search_each<S: Simd, P: Borrow<Patch<f32>>>(
         hits: [[0.0; MAX_LANES]; 3],
         evaluations: 0,
     };
-    while alive != 0 {
-        let lane = alive.trailing_zeros() as usize;
-        alive &= alive - 1;
+    for lane in set_bits(alive) {
         let mut numbers = [0.0; SEGMENT_NUMBERS];
         for (number, column) in numbers.iter_mut().zip(columns) {
             *number = column[lane];
         }
-        let segment = Segment::from_numbers(numbers, true);
+        let segment = Segment::from_numbers(&numbers, true);
         let hit = search(simd, patch(lane).borrow(), segment, solver);
         searched.evaluations += hit.evaluations;
         searched.found |= u64::from(hit.found) << lane;

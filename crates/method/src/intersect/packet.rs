@@ -6,7 +6,7 @@ use fearless_simd::{Level, dispatch, prelude::*};
 use super::hit::{Hit, Solver};
 use super::lane_search::{search_lanes, trace_one};
 use super::ray::Ray;
-use super::single::Single;
+use super::single::EdgesInLanes;
 use crate::numbers::{LaneMask, Lanes, MAX_LANES, Vector, inlined, vector};
 use crate::store::PackedTriangle;
 
@@ -127,7 +127,7 @@ impl PackedTriangle<'_> {
         dispatch!(level, simd => {
             let (interval, frame) = match self.single_slab() {
                 Some(slab) => {
-                    let single = Single::new(simd, self.vertices(), slab);
+                    let single = EdgesInLanes::new(simd, self.vertices(), slab);
                     (single.clip(ray), Some(single.frame))
                 }
                 None => {

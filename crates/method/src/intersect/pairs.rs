@@ -10,7 +10,8 @@ use super::packet::{RayLanes, load_ray};
 use super::ray::Ray;
 use super::segment::{SEGMENT_NUMBERS, Segment};
 use crate::numbers::{
-    LaneMask, MAX_LANES, ManyPatches, Mask, PATCHES, PairLanes, Patches, Vector, inlined, vector,
+    Fields, LaneMask, MAX_LANES, ManyPatches, Mask, PATCHES, PairLanes, Patches, Vector,
+    from_array, set_bits, to_array, vector,
 };
 use crate::store::PatchBlock;
 
@@ -18,6 +19,8 @@ use crate::store::PatchBlock;
 const PAIRS: usize = PATCHES * MAX_LANES + MAX_LANES;
 /// Words of one bit a pair.
 const WORDS: usize = PAIRS.div_ceil(u64::BITS as usize);
+/// How many numbers a ray is.
+const RAY_NUMBERS: usize = Ray::<f32>::COUNT;
 /// Of fewer pairs than this each is searched alone, its samples in the lanes.
 const MIN_SEARCHED: u32 = 3;
 /// The hits of a packet's rays on the patches of a block, and room to find them.
@@ -28,7 +31,7 @@ pub struct PairHits {
     /// Where in a column the patch's number is: the places of its four bytes.
     patch: [u32; PAIRS],
     /// The rays, a component each, by lane.
-    rays: [[f32; MAX_LANES]; 8],
+    rays: [[f32; MAX_LANES]; RAY_NUMBERS],
     /// The rays' parameters from which on they may meet the patch.
     start: [f32; PAIRS],
     /// And for how long.
@@ -66,7 +69,7 @@ impl Default for PairHits {
             count: 0,
             lane: [0; PAIRS],
             patch: [0; PAIRS],
-            rays: [[0.0; MAX_LANES]; 8],
+            rays: [[0.0; MAX_LANES]; RAY_NUMBERS],
             start: [0.0; PAIRS],
             length: [0.0; PAIRS],
             found: [0; WORDS],
@@ -84,7 +87,7 @@ impl PairHits {
     pub fn iter(&self) -> impl Iterator<Item = PairHit> {
         let words = self.found.iter().enumerate();
         words
-            .flat_map(|(word, &bits)| bits_of(bits).map(move |bit| word * 64 + bit))
+            .flat_map(|(word, &bits)| set_bits(bits).map(move |bit| word * 64 + bit))
             .map(|n| PairHit {
                 lane: self.lane[n].into(),
                 patch: number_of(self.patch[n]),
@@ -147,7 +150,11 @@ impl PatchBlock {
         let width = rays.tnear.len();
         for first in (0..width).step_by(S::f32s::LEN) {
             let ray = load_ray(simd, rays, first);
-            for (to, from) in hits.rays.iter_mut().zip(components(&ray)) {
+            for (to, from) in hits
+                .rays
+                .iter_mut()
+                .zip(to_array::<_, RAY_NUMBERS>(ray, ray.tnear))
+            {
                 from.0.store_slice(&mut to[first..][..S::f32s::LEN]);
             }
             let there = u64::MAX >> (64 - (width - first));
@@ -157,17 +164,15 @@ impl PatchBlock {
                     continue;
                 }
                 let valid = LaneMask(S::mask32s::from_bitmask(simd, asked));
-                let interval = self.hull(n).clip(&ray, valid);
-                let mut alive = interval.alive.0.to_bitmask();
+                let interval = self.clip_volume(n).clip(&ray, valid);
+                let alive = interval.alive.0.to_bitmask();
                 if alive == 0 {
                     continue;
                 }
                 let (mut start, mut length) = ([0.0; MAX_LANES], [0.0; MAX_LANES]);
                 interval.start.0.store_slice(&mut start[..S::f32s::LEN]);
                 interval.length.0.store_slice(&mut length[..S::f32s::LEN]);
-                while alive != 0 {
-                    let lane = alive.trailing_zeros() as usize;
-                    alive &= alive - 1;
+                for lane in set_bits(alive) {
                     let to = hits.count;
                     hits.lane[to] = (first + lane) as u8;
                     hits.patch[to] = bytes_of(n);
@@ -275,16 +280,6 @@ impl PatchBlock {
     }
 }
 
-/// The places of the bits that are set.
-#[inline(always)]
-fn bits_of(mut bits: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let bit = bits.trailing_zeros();
-        bits &= bits.wrapping_sub(1);
-        (bit < u64::BITS).then_some(bit as usize)
-    })
-}
-
 /// The places of a number's bytes in a column.
 fn bytes_of(n: usize) -> u32 {
     0x0302_0100 + 0x0404_0404 * n as u32
@@ -297,27 +292,19 @@ fn number_of(bytes: u32) -> usize {
 
 /// A ray a lane.
 #[inline(always)]
-fn gather<S: Simd, P: PairLanes<S>>(simd: S, rays: &[[f32; MAX_LANES]; 8], lanes: &[u8]) -> Ray<P> {
+fn gather<S: Simd, P: PairLanes<S>>(
+    simd: S,
+    rays: &[[f32; MAX_LANES]; RAY_NUMBERS],
+    lanes: &[u8],
+) -> Ray<P> {
     let mut bytes = [0; MAX_LANES];
     for (to, &lane) in bytes.iter_mut().zip(lanes) {
         *to = bytes_of(lane.into());
     }
     let places = P::places(simd, &bytes);
-    let number = inlined(
-        #[inline(always)]
-        |component: usize| P::of_rays(simd, &rays[component], lanes, places),
-    );
-    Ray {
-        origin: vector(number(0), number(1), number(2)),
-        direction: vector(number(3), number(4), number(5)),
-        tnear: number(6),
-        tfar: number(7),
+    let mut numbers = [P::load(simd, &[0.0; MAX_LANES]); RAY_NUMBERS];
+    for (number, column) in numbers.iter_mut().zip(rays) {
+        *number = P::of_rays(simd, column, lanes, places);
     }
-}
-
-/// A ray's numbers.
-#[inline(always)]
-fn components<V: Copy>(ray: &Ray<V>) -> [V; 8] {
-    let (o, d) = (ray.origin, ray.direction);
-    [o.x, o.y, o.z, d.x, d.y, d.z, ray.tnear, ray.tfar]
+    from_array(Ray::blank(numbers[0]), &numbers)
 }

@@ -1,7 +1,7 @@
 //! A ray against one patch: the interval in which it can meet the surface, and the function whose
 //! root is the hit.
 
-use crate::numbers::{Real, Scalar, Vector};
+use crate::numbers::{Cursor, Fields, Real, Scalar, Vector, vector};
 use crate::patch::{Patch, Rule, THIN};
 use crate::store::PackedTriangle;
 
@@ -16,6 +16,32 @@ pub struct Ray<V> {
     pub tnear: V,
     /// Greatest parameter of a hit.
     pub tfar: V,
+}
+
+impl<V: Real> Ray<V> {
+    /// A ray that leads nowhere.
+    #[inline(always)]
+    pub(crate) fn blank(any: V) -> Self {
+        let vector = vector(any, any, any);
+        Self {
+            origin: vector,
+            direction: vector,
+            tnear: any,
+            tfar: any,
+        }
+    }
+}
+
+impl<V: Real> Fields<V> for Ray<V> {
+    const COUNT: usize = 8;
+
+    #[inline(always)]
+    fn visit(&mut self, cursor: &mut impl Cursor<V>) {
+        cursor.vector(&mut self.origin);
+        cursor.vector(&mut self.direction);
+        cursor.number(&mut self.tnear);
+        cursor.number(&mut self.tfar);
+    }
 }
 
 impl<S: Scalar> Ray<S> {

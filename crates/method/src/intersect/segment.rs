@@ -3,7 +3,9 @@
 use super::clip::RayInterval;
 use super::ray::Ray;
 use crate::bounds::RAY_EPSILONS;
-use crate::numbers::{Constant, Mask, Real, Scalar, Vector, inlined, three};
+use crate::numbers::{
+    Constant, Cursor, Fields, Mask, Real, Scalar, Vector, from_array, inlined, three, to_array,
+};
 use crate::patch::Patch;
 
 /// A ray's way over a patch's plane, clipped to where the surface can be: the paper's options 1 to
@@ -45,7 +47,30 @@ const CLEARANCE_EPSILONS: f64 = 8.0;
 const STEEPEST: f64 = 8.0;
 
 /// How many numbers a segment is made of.
-pub(crate) const SEGMENT_NUMBERS: usize = 14;
+pub(crate) const SEGMENT_NUMBERS: usize = Segment::<f32>::COUNT;
+
+/// All numbers but whether there is an interval.
+impl<V: Real> Fields<V> for Segment<V> {
+    const COUNT: usize = 14;
+
+    #[inline(always)]
+    fn visit(&mut self, cursor: &mut impl Cursor<V>) {
+        cursor.number(&mut self.start);
+        cursor.number(&mut self.length);
+        cursor.number(&mut self.stray_tolerance);
+        cursor.number(&mut self.entry_tolerance);
+        cursor.number(&mut self.exit_tolerance);
+        cursor.number(&mut self.speed);
+        cursor.number(&mut self.b[0]);
+        cursor.number(&mut self.b[1]);
+        cursor.number(&mut self.b[2]);
+        cursor.number(&mut self.b_rate[0]);
+        cursor.number(&mut self.b_rate[1]);
+        cursor.number(&mut self.b_rate[2]);
+        cursor.number(&mut self.z);
+        cursor.number(&mut self.z_rate);
+    }
+}
 
 impl<V: Real> Segment<V> {
     /// Whether no lane's ray comes near the surface.
@@ -163,60 +188,30 @@ impl<V: Real> Segment<V> {
         epsilon / self.speed + epsilon * epsilon.constant(0.25) * self.start.abs()
     }
 
-    /// All its numbers, for [`Segment::from_numbers`].
+    /// All its numbers.
     #[inline(always)]
     pub(crate) fn numbers(&self) -> [V; SEGMENT_NUMBERS] {
-        let ([b0, b1, b2], [r0, r1, r2]) = (self.b, self.b_rate);
-        [
-            self.start,
-            self.length,
-            self.stray_tolerance,
-            self.entry_tolerance,
-            self.exit_tolerance,
-            self.speed,
-            b0,
-            b1,
-            b2,
-            r0,
-            r1,
-            r2,
-            self.z,
-            self.z_rate,
-        ]
+        to_array(*self, self.start)
     }
 
     /// The segment of these numbers.
     #[inline(always)]
-    pub(crate) fn from_numbers(of: [V; SEGMENT_NUMBERS], alive: V::Mask) -> Self {
-        let [
-            start,
-            length,
-            stray_tolerance,
-            entry_tolerance,
-            exit_tolerance,
-            speed,
-            b0,
-            b1,
-            b2,
-            r0,
-            r1,
-            r2,
-            z,
-            z_rate,
-        ] = of;
-        Self {
-            start,
-            length,
+    pub(crate) fn from_numbers(numbers: &[V; SEGMENT_NUMBERS], alive: V::Mask) -> Self {
+        let any = numbers[0];
+        let blank = Self {
+            start: any,
+            length: any,
             alive,
-            stray_tolerance,
-            entry_tolerance,
-            exit_tolerance,
-            speed,
-            b: [b0, b1, b2],
-            b_rate: [r0, r1, r2],
-            z,
-            z_rate,
-        }
+            stray_tolerance: any,
+            entry_tolerance: any,
+            exit_tolerance: any,
+            speed: any,
+            b: [any; 3],
+            b_rate: [any; 3],
+            z: any,
+            z_rate: any,
+        };
+        from_array(blank, numbers)
     }
 
     /// The segment of one ray in every lane of a value like this one, to be looked at in several
@@ -231,7 +226,7 @@ impl<V: Real> Segment<V> {
         for (value, number) in numbers.iter_mut().zip(self.numbers()) {
             *value = lanes.splat(number);
         }
-        Segment::from_numbers(numbers, lanes.mask(self.alive))
+        Segment::from_numbers(&numbers, lanes.mask(self.alive))
     }
 
     /// What a steep surface may rise within a step of this width of the segment's parameter, in

@@ -3,9 +3,9 @@
 
 use fearless_simd::{f32x4, prelude::*, u8x16};
 
-use super::clip::RayInterval;
+use super::clip::{Cut, RayInterval};
 use super::ray::{Ray, localized};
-use crate::numbers::{Arithmetic, Constant, Mask, Quad, Real, Vector, inlined, three, vector};
+use crate::numbers::{Constant, Mask, Quad, Real, Vector, inlined, three, vector};
 use crate::patch::{BoundsKind, Choice, HalfSpace, TriangleFrame, TriangleVertices};
 use crate::store::PackedTriangle;
 
@@ -15,7 +15,7 @@ const NEXT: [u8; 16] = [4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 12, 13, 14, 15];
 const LAST: usize = 3;
 
 /// A curved triangle's frame and the planes around it.
-pub(crate) struct Single<S: Simd> {
+pub(crate) struct EdgesInLanes<S: Simd> {
     pub frame: TriangleFrame<f32>,
     /// Through the edges; in the last lane the one below.
     planes: HalfSpace<Quad<S>>,
@@ -33,7 +33,7 @@ impl PackedTriangle<'_> {
     }
 }
 
-impl<S: Simd> Single<S> {
+impl<S: Simd> EdgesInLanes<S> {
     /// Of a triangle with such a [slab](PackedTriangle::single_slab).
     #[inline(always)]
     pub fn new(simd: S, vertices: &TriangleVertices, [least, most]: [f32; 2]) -> Self {
@@ -108,42 +108,27 @@ impl<S: Simd> Single<S> {
     pub fn clip(&self, ray: &Ray<f32>) -> RayInterval<f32> {
         let [from, along] = localized(ray, self.frame.origin, self.frame.size.per_power_of_two());
         let distance = from.max_abs();
-        let HalfSpace {
-            normal,
-            offset,
-            distance_tolerance,
-        } = self.planes;
-        let lanes = offset;
-        let value = normal.dot(Vector::splat(lanes, from))
-            + distance_tolerance.mul_add(lanes.splat(distance), offset);
-        let rate = normal.dot(Vector::splat(lanes, along));
-        let zero = lanes.constant(0.0);
-        let crossing = -(value / rate);
-        let (enters, leaves) = (zero.less(rate), rate.less(zero));
-        let endless = lanes.constant(f64::INFINITY);
-        let entries = numbers(Quad::select(enters, crossing, -endless));
-        let exits = numbers(Quad::select(leaves, crossing, endless));
-        let passes = (enters | leaves | zero.at_most(value)).all();
+        let planes = &self.planes;
+        let lanes = planes.offset;
+        let value = planes.value(Vector::splat(lanes, from), lanes.splat(distance));
+        let rate = planes.normal.dot(Vector::splat(lanes, along));
+        let below = Cut::new(value, rate);
+        let (entries, exits) = (numbers(below.entry), numbers(below.exit));
         // The plane above has the normal of the one below, turned round.
-        let (rise, room) = (numbers(rate)[LAST], numbers(distance_tolerance)[LAST]);
-        let up = self.up();
-        let value = -up.dot(from) + room.mul_add(distance, self.above);
-        let crossing = value / rise;
-        let (enters, leaves) = (rise < 0.0, rise > 0.0);
-        let mut lo = ray.tnear;
-        let mut hi = f32::INFINITY;
+        let above = HalfSpace {
+            normal: -self.up(),
+            offset: self.above,
+            distance_tolerance: numbers(planes.distance_tolerance)[LAST],
+        };
+        let above = Cut::new(above.value(from, distance), -numbers(rate)[LAST]);
+        let (mut lo, mut hi) = (ray.tnear, f32::INFINITY);
         for n in 0..4 {
             lo = entries[n].greater(lo);
             hi = exits[n].lesser(hi);
         }
-        lo = f32::select(enters, crossing, lo).greater(lo);
-        hi = f32::select(leaves, crossing, hi).lesser(hi);
-        let alive = passes & (enters | leaves | (0.0 <= value));
-        RayInterval {
-            start: lo,
-            length: hi - lo,
-            alive: alive & (lo <= hi) & (lo <= ray.tfar),
-        }
+        lo = above.entry.greater(lo);
+        hi = above.exit.lesser(hi);
+        RayInterval::between(lo, hi, below.passes.all() & above.passes, ray.tfar)
     }
 
     #[inline(always)]

@@ -7,10 +7,11 @@ mod jet;
 mod lanes;
 mod pair_lanes;
 mod scalar;
+mod set_bits;
 mod vector;
 
 pub use dual::Dual;
-pub(crate) use fields::Visitor;
+pub(crate) use fields::{Cursor, Fields, from_array, to_array};
 pub(crate) use interval::Interval;
 pub use jet::{Jet, Quadratic};
 pub(crate) use jet::{at_least, capped, lesser, ratio_or_zero};
@@ -20,4 +21,5 @@ pub use lanes::{
 pub(crate) use pair_lanes::PairLanes;
 pub(crate) use scalar::each;
 pub use scalar::{Arithmetic, Constant, Mask, Real, Scalar, inlined, three};
+pub use set_bits::{SetBits, set_bits};
 pub use vector::{Vector, vector};

@@ -1,7 +1,7 @@
 //! Which of a triangle's three edges, one answer a lane.
 
 use super::cyclic::next;
-use crate::numbers::{Constant, Jet, Real, Vector, Visitor, three, vector};
+use crate::numbers::{Constant, Cursor, Fields, Jet, Real, Vector, three, vector};
 
 /// An edge of the triangle, one a lane.
 #[derive(Clone, Copy, Debug)]
@@ -106,16 +106,6 @@ impl<V: Real> Choice<V> {
         (self.first & of[0]) | (self.second & of[1]) | (self.is(2) & of[2])
     }
 
-    /// Shows which one is chosen: two truths.
-    #[inline(always)]
-    pub fn visit(&mut self, at: usize, by: &mut impl Visitor<V>)
-    where
-        V: Constant,
-    {
-        by.truth(at, &mut self.first);
-        by.truth(at + 1, &mut self.second);
-    }
-
     /// Whether edge `k` is chosen.
     #[inline(always)]
     pub fn is(self, k: usize) -> V::Mask {
@@ -124,5 +114,15 @@ impl<V: Real> Choice<V> {
             1 => self.second,
             _ => !(self.first | self.second),
         }
+    }
+}
+
+impl<V: Constant> Fields<V> for Choice<V> {
+    const COUNT: usize = 2;
+
+    #[inline(always)]
+    fn visit(&mut self, cursor: &mut impl Cursor<V>) {
+        cursor.truth(&mut self.first);
+        cursor.truth(&mut self.second);
     }
 }

@@ -1,7 +1,7 @@
 //! The volume that a ray is clipped to.
 
 use super::sphere::Sphere;
-use crate::numbers::{Constant, Vector, Visitor, vector};
+use crate::numbers::{Constant, Cursor, Fields, Vector, vector};
 
 /// A half-space that the surface lies in, with room for rounding. Nothing is normalised: only the
 /// sign counts, and where it changes along a ray.
@@ -49,26 +49,30 @@ impl<S: Constant> ClipVolume<S> {
     }
 }
 
-impl<S: Constant> HalfSpace<S> {
+impl<S: Constant> Fields<S> for HalfSpace<S> {
+    const COUNT: usize = 5;
+
     #[inline(always)]
-    fn visit(&mut self, at: usize, by: &mut impl Visitor<S>) {
-        by.vector(at, &mut self.normal);
-        by.number(at + 3, &mut self.offset);
-        by.number(at + 4, &mut self.distance_tolerance);
+    fn visit(&mut self, cursor: &mut impl Cursor<S>) {
+        cursor.vector(&mut self.normal);
+        cursor.number(&mut self.offset);
+        cursor.number(&mut self.distance_tolerance);
     }
 }
 
-impl<S: Constant> ClipVolume<S> {
-    /// Shows all numbers of a hull without a sphere.
+/// All numbers of a volume without a sphere.
+impl<S: Constant> Fields<S> for ClipVolume<S> {
+    const COUNT: usize = 3 + 1 + 5 * HalfSpace::<S>::COUNT;
+
     #[inline(always)]
-    pub fn visit(&mut self, by: &mut impl Visitor<S>) {
-        by.vector(0, &mut self.origin);
-        by.number(3, &mut self.unit);
+    fn visit(&mut self, cursor: &mut impl Cursor<S>) {
+        cursor.vector(&mut self.origin);
+        cursor.number(&mut self.unit);
         let [a, b, c, d, e] = &mut self.planes;
-        a.visit(4, by);
-        b.visit(9, by);
-        c.visit(14, by);
-        d.visit(19, by);
-        e.visit(24, by);
+        a.visit(cursor);
+        b.visit(cursor);
+        c.visit(cursor);
+        d.visit(cursor);
+        e.visit(cursor);
     }
 }

@@ -5,7 +5,7 @@ use super::cyclic::next;
 use super::flags::{PatchFlags, Surface};
 use super::plane::{TrianglePlane, ratios};
 use super::triangle_frame::TriangleFrame;
-use crate::numbers::{Constant, Real, Vector, Visitor, inlined, three};
+use crate::numbers::{Constant, Cursor, Fields, Real, Vector, inlined, three};
 
 /// The centroid's foot on an edge must lie this far inside it, as a share of the edge's length, for
 /// the paper's planes to bound a sub-triangle; else the edge takes the ramp of obtuse triangles.
@@ -44,26 +44,28 @@ pub(crate) struct Edge<S: Real> {
     pub loose: [bool; 2],
 }
 
-impl<S: Constant> Edge<S> {
-    /// Shows all numbers of an edge that is not straight and has no loose end, sixteen from `at` on.
+/// All numbers of an edge that is not straight and has no loose end.
+impl<S: Constant> Fields<S> for Edge<S> {
+    const COUNT: usize = 16;
+
     #[inline(always)]
-    pub fn visit(&mut self, at: usize, by: &mut impl Visitor<S>) {
-        by.number(at, &mut self.length2);
-        by.number(at + 1, &mut self.height);
-        by.number(at + 2, &mut self.per_height);
-        by.number(at + 3, &mut self.foot);
-        by.number(at + 4, &mut self.lean);
-        by.number(at + 5, &mut self.tilt);
-        by.number(at + 6, &mut self.rise[0]);
-        by.number(at + 7, &mut self.rise[1]);
-        by.truth(at + 8, &mut self.obtuse);
-        by.number(at + 9, &mut self.bend[0]);
-        by.number(at + 10, &mut self.bend[1]);
-        by.number(at + 11, &mut self.bulge);
-        by.number(at + 12, &mut self.damping);
-        by.number(at + 13, &mut self.correction[0]);
-        by.number(at + 14, &mut self.correction[1]);
-        by.number(at + 15, &mut self.correction[2]);
+    fn visit(&mut self, cursor: &mut impl Cursor<S>) {
+        cursor.number(&mut self.length2);
+        cursor.number(&mut self.height);
+        cursor.number(&mut self.per_height);
+        cursor.number(&mut self.foot);
+        cursor.number(&mut self.lean);
+        cursor.number(&mut self.tilt);
+        cursor.number(&mut self.rise[0]);
+        cursor.number(&mut self.rise[1]);
+        cursor.truth(&mut self.obtuse);
+        cursor.number(&mut self.bend[0]);
+        cursor.number(&mut self.bend[1]);
+        cursor.number(&mut self.bulge);
+        cursor.number(&mut self.damping);
+        cursor.number(&mut self.correction[0]);
+        cursor.number(&mut self.correction[1]);
+        cursor.number(&mut self.correction[2]);
     }
 }
 

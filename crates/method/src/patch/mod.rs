@@ -23,5 +23,4 @@ pub(crate) use sphere::Enlargement;
 pub use sphere::Sphere;
 pub(crate) use triangle_frame::{SLIVER_AREA, THIN, TriangleFrame};
 pub use triangle_vertices::TriangleVertices;
-pub(crate) use triangle_vertices::VERTICES;
 pub use unpacked::Patch;

@@ -1,18 +1,16 @@
 //! A triangle's vertices.
 
 use super::triangle_frame::TriangleFrame;
-use crate::numbers::Vector;
+use crate::numbers::{Cursor, Fields, Real, Vector};
 
-/// How many numbers a triangle's vertices are.
-pub(crate) const VERTICES: usize = 18;
-
-/// A triangle's vertices.
+/// The three vertices of a triangle, in counterclockwise order as seen from its front; of one triangle, or of
+/// one a lane.
 #[derive(Clone, Copy, Debug)]
-pub struct TriangleVertices {
+pub struct TriangleVertices<V = f32> {
     /// Their positions.
-    pub positions: [Vector<f32>; 3],
-    /// Their normals, unit.
-    pub normals: [Vector<f32>; 3],
+    pub positions: [Vector<V>; 3],
+    /// Their normals, of unit length.
+    pub normals: [Vector<V>; 3],
 }
 
 impl TriangleVertices {
@@ -23,21 +21,34 @@ impl TriangleVertices {
     }
 }
 
-impl TriangleVertices {
-    /// All numbers, the positions first.
+impl<V: Real> TriangleVertices<V> {
+    /// All vertices at one place.
     #[inline(always)]
-    pub(crate) fn numbers(&self) -> [f32; VERTICES] {
-        let mut numbers = [0.0; VERTICES];
-        self.write(&mut numbers);
-        numbers
-    }
-
-    /// Writes all numbers, the positions first.
-    #[inline(always)]
-    pub(crate) fn write(&self, to: &mut [f32]) {
-        let vertices = self.positions.iter().chain(&self.normals);
-        for (to, from) in to.chunks_exact_mut(3).zip(vertices) {
-            to.copy_from_slice(&from.to_array());
+    pub(crate) fn blank(zero: V) -> Self {
+        let vector = Vector {
+            x: zero,
+            y: zero,
+            z: zero,
+        };
+        Self {
+            positions: [vector; 3],
+            normals: [vector; 3],
         }
+    }
+}
+
+impl<V: Real> Fields<V> for TriangleVertices<V> {
+    const COUNT: usize = 18;
+
+    #[inline(always)]
+    fn visit(&mut self, cursor: &mut impl Cursor<V>) {
+        let [a, b, c] = &mut self.positions;
+        let [p, q, r] = &mut self.normals;
+        cursor.vector(a);
+        cursor.vector(b);
+        cursor.vector(c);
+        cursor.vector(p);
+        cursor.vector(q);
+        cursor.vector(r);
     }
 }

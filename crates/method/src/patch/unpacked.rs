@@ -9,7 +9,7 @@ use super::kind::{FlatReason, PatchKind, Rule};
 use super::plane::TrianglePlane;
 use super::sphere::Sphere;
 use super::triangle_frame::TriangleFrame;
-use crate::numbers::{Constant, Mask, Real, Scalar, Vector, Visitor, each, three, vector};
+use crate::numbers::{Constant, Cursor, Fields, Mask, Real, Scalar, Vector, each, three, vector};
 
 /// What a patch knows of a vertex.
 #[derive(Clone, Copy, Debug)]
@@ -263,39 +263,66 @@ impl<S: Constant> Patch<S> {
     }
 }
 
-impl<S: Constant> Patch<S> {
-    /// Shows all numbers that rays ask for of a curved patch, by the tensor's rule and without loose ends.
-    #[inline(always)]
-    pub(crate) fn visit(&mut self, by: &mut impl Visitor<S>) {
-        by.vector(0, &mut self.origin);
-        by.number(3, &mut self.size);
-        by.vector(4, &mut self.spokes[0]);
-        by.vector(7, &mut self.spokes[1]);
-        by.vector(10, &mut self.normal);
-        self.visit_part(0, 13, by);
-        self.visit_part(1, 37, by);
-        self.visit_part(2, 61, by);
-        let base = &mut self.base;
-        base.edge.visit(85, by);
-        by.vector(87, &mut base.corner);
-        by.vector(90, &mut base.along);
-        by.vector(93, &mut base.across);
-        by.number(96, &mut base.foot);
-        by.number(97, &mut self.slab[0]);
-        by.number(98, &mut self.slab[1]);
-        by.number(99, &mut self.unevenness);
-    }
+impl<S: Constant> Fields<S> for Vertex<S> {
+    const COUNT: usize = 5;
 
-    /// Those of a vertex, its gradient and the edge from there: 24.
     #[inline(always)]
-    fn visit_part(&mut self, k: usize, at: usize, by: &mut impl Visitor<S>) {
-        by.vector(at, &mut self.gradients[k]);
-        self.edges[k].visit(at + 3, by);
-        let vertex = &mut self.vertices[k];
-        by.number(at + 19, &mut vertex.normal);
-        by.number(at + 20, &mut vertex.inward[0]);
-        by.number(at + 21, &mut vertex.inward[1]);
-        by.number(at + 22, &mut vertex.inward[2]);
-        by.number(at + 23, &mut vertex.between);
+    fn visit(&mut self, cursor: &mut impl Cursor<S>) {
+        cursor.number(&mut self.normal);
+        cursor.number(&mut self.inward[0]);
+        cursor.number(&mut self.inward[1]);
+        cursor.number(&mut self.inward[2]);
+        cursor.number(&mut self.between);
+    }
+}
+
+impl<S: Constant> Fields<S> for BaseFrame<S> {
+    const COUNT: usize = Choice::<S>::COUNT + 3 * 3 + 1;
+
+    #[inline(always)]
+    fn visit(&mut self, cursor: &mut impl Cursor<S>) {
+        self.edge.visit(cursor);
+        cursor.vector(&mut self.corner);
+        cursor.vector(&mut self.along);
+        cursor.vector(&mut self.across);
+        cursor.number(&mut self.foot);
+    }
+}
+
+/// All numbers that rays need of a curved patch by the tensor's rule, without loose ends.
+impl<S: Constant> Fields<S> for Patch<S> {
+    const COUNT: usize = 3
+        + 1
+        + 2 * 3
+        + 3
+        + 3 * (3 + Edge::<S>::COUNT + Vertex::<S>::COUNT)
+        + BaseFrame::<S>::COUNT
+        + 2
+        + 1;
+
+    #[inline(always)]
+    fn visit(&mut self, cursor: &mut impl Cursor<S>) {
+        cursor.vector(&mut self.origin);
+        cursor.number(&mut self.size);
+        cursor.vector(&mut self.spokes[0]);
+        cursor.vector(&mut self.spokes[1]);
+        cursor.vector(&mut self.normal);
+        self.visit_part(0, cursor);
+        self.visit_part(1, cursor);
+        self.visit_part(2, cursor);
+        self.base.visit(cursor);
+        cursor.number(&mut self.slab[0]);
+        cursor.number(&mut self.slab[1]);
+        cursor.number(&mut self.unevenness);
+    }
+}
+
+impl<S: Constant> Patch<S> {
+    /// The numbers of a vertex, its gradient and the edge from there.
+    #[inline(always)]
+    fn visit_part(&mut self, k: usize, cursor: &mut impl Cursor<S>) {
+        cursor.vector(&mut self.gradients[k]);
+        self.edges[k].visit(cursor);
+        self.vertices[k].visit(cursor);
     }
 }

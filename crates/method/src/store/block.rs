@@ -2,17 +2,22 @@
 
 use fearless_simd::{Level, dispatch, f32x8, mask32x8, prelude::*};
 
-use super::columns::{CLIP_VOLUME, Column, PATCH, Pick, Store, in_columns, vertices};
-use super::packed_triangle::PackedTriangle;
+use super::columns::{Columns, in_columns, load_lanes, load_one, pick_lanes, store_lanes};
+use super::packed_triangle::{PackedTriangle, VerticesAndSlab};
 use crate::numbers::{
-    Constant, MAX_LANES, PATCHES, PairLanes, PatchMask, Patches, inlined, three, vector,
+    Constant, Cursor, Fields, MAX_LANES, PATCHES, PairLanes, PatchMask, Patches, Real, to_array,
+    vector,
 };
 use crate::patch::{
-    BoundsKind, ClipVolume, Patch, PatchFlags, PatchKind, Rule, Surface, TriangleFrame, VERTICES,
+    BoundsKind, ClipVolume, Patch, PatchFlags, PatchKind, Rule, Surface, TriangleFrame,
 };
 
-/// How many numbers a patch is laid out from.
-const SOURCE: usize = 30;
+/// How many numbers a patch is unpacked from.
+const SOURCE: usize = Source::<f32>::COUNT;
+/// How many numbers a clip volume is stored in.
+const CLIP_VOLUME: usize = ClipVolume::<f32>::COUNT;
+/// How many numbers a patch is stored in.
+const PATCH: usize = Patch::<f32>::COUNT;
 
 /// Up to eight patches, laid out for rays.
 #[derive(Clone, Debug)]
@@ -20,10 +25,10 @@ pub struct PatchBlock {
     /// Which ones are, one bit each.
     unpacked: u32,
     any_obtuse: bool,
-    /// A number of each patch: [`ClipVolume::visit`].
-    clip_volumes: [[f32; PATCHES]; CLIP_VOLUME],
-    /// A number of each patch: [`Patch::visit`].
-    patches: [[f32; PATCHES]; PATCH],
+    /// A number of each patch: [`ClipVolume`].
+    clip_volumes: Columns<CLIP_VOLUME>,
+    /// A number of each patch: [`Patch`].
+    patches: Columns<PATCH>,
 }
 
 impl PackedTriangle<'_> {
@@ -37,18 +42,43 @@ impl PackedTriangle<'_> {
             && !(flags.is_straight(0) | flags.is_straight(1) | flags.is_straight(2))
     }
 
-    /// What it is laid out from in a block.
+    /// What it is unpacked from in a block.
     #[inline(always)]
     fn source(&self) -> [f32; SOURCE] {
-        let mut source = [0.0; SOURCE];
         let packed = self.packed();
-        self.vertices().write(&mut source[..VERTICES]);
-        source[VERTICES..20].copy_from_slice(&packed.slab);
-        for (to, from) in source[20..29].chunks_exact_mut(3).zip(packed.correction()) {
-            to.copy_from_slice(&from);
+        let source = Source {
+            outline: VerticesAndSlab {
+                vertices: *self.vertices(),
+                slab: packed.slab,
+            },
+            correction: packed.correction(),
+            unevenness: packed.unevenness(),
+        };
+        to_array(source, 0.0)
+    }
+}
+
+/// What patches are unpacked from.
+#[derive(Clone, Copy)]
+struct Source<V> {
+    outline: VerticesAndSlab<V>,
+    correction: [[V; 3]; 3],
+    unevenness: V,
+}
+
+impl<V: Real> Fields<V> for Source<V> {
+    const COUNT: usize = VerticesAndSlab::<V>::COUNT + 9 + 1;
+
+    #[inline(always)]
+    fn visit(&mut self, cursor: &mut impl Cursor<V>) {
+        self.outline.visit(cursor);
+        let [a, b, c] = &mut self.correction;
+        for edge in [a, b, c] {
+            cursor.number(&mut edge[0]);
+            cursor.number(&mut edge[1]);
+            cursor.number(&mut edge[2]);
         }
-        source[29] = packed.unevenness();
-        source
+        cursor.number(&mut self.unevenness);
     }
 }
 
@@ -108,71 +138,54 @@ impl PatchBlock {
         simd: S,
         places: u32,
         flags: PatchFlags,
-        columns: &[[f32; PATCHES]; SOURCE],
+        columns: &Columns<SOURCE>,
     ) {
-        let number = inlined(
-            #[inline(always)]
-            |n: usize| Patches(f32x8::from_slice(simd, &columns[n])),
-        );
-        let [positions, normals] = vertices(simd, columns);
-        let slab = [number(VERTICES), number(VERTICES + 1)];
-        let frame = TriangleFrame::of_sound(&positions, &normals);
-        let mut hull = ClipVolume::around(&frame, &normals, Some(slab), None);
-        let mut patch = Patch::from_frame(&frame, &normals, flags);
-        for (k, edge) in patch.edges.iter_mut().enumerate() {
-            edge.correction = three(
-                #[inline(always)]
-                |c| number(20 + 3 * k + c),
-            );
+        let zero = Patches(f32x8::splat(simd, 0.0));
+        let blank = Source {
+            outline: VerticesAndSlab::blank(zero),
+            correction: [[zero; 3]; 3],
+            unevenness: zero,
+        };
+        let source = load_lanes(simd, columns, blank);
+        let VerticesAndSlab { vertices, slab } = source.outline;
+        let frame = TriangleFrame::of_sound(&vertices.positions, &vertices.normals);
+        let clip_volume = ClipVolume::around(&frame, &vertices.normals, Some(slab), None);
+        let mut patch = Patch::from_frame(&frame, &vertices.normals, flags);
+        for (edge, correction) in patch.edges.iter_mut().zip(source.correction) {
+            edge.correction = correction;
         }
         patch.slab = slab;
-        patch.unevenness = number(29);
+        patch.unevenness = source.unevenness;
         let lanes = PatchMask(mask32x8::from_bitmask(simd, places.into()));
-        hull.visit(&mut Store {
-            columns: &mut self.clip_volumes,
-            lanes,
-        });
-        patch.visit(&mut Store {
-            columns: &mut self.patches,
-            lanes,
-        });
+        store_lanes(clip_volume, &mut self.clip_volumes, lanes);
+        store_lanes(patch, &mut self.patches, lanes);
         self.unpacked |= places;
         self.any_obtuse |= patch.any_obtuse;
     }
 
     /// What rays at one patch are clipped to.
     #[inline(always)]
-    pub(crate) fn hull(&self, n: usize) -> ClipVolume<f32> {
-        let mut hull = ClipVolume::empty(vector(0.0, 0.0, 0.0));
-        hull.visit(&mut Column {
-            columns: &self.clip_volumes,
-            n,
-        });
-        hull.exists = true;
-        hull
+    pub(crate) fn clip_volume(&self, n: usize) -> ClipVolume<f32> {
+        let blank = ClipVolume::empty(vector(0.0, 0.0, 0.0));
+        ClipVolume {
+            exists: true,
+            ..load_one(&self.clip_volumes, n, blank)
+        }
     }
 
     /// One patch, without what rays are clipped to.
     pub(crate) fn patch(&self, n: usize) -> Patch<f32> {
-        let mut patch = Patch::empty(vector(0.0, 0.0, 0.0));
-        patch.visit(&mut Column {
-            columns: &self.patches,
-            n,
-        });
-        self.curved(patch)
+        let blank = Patch::empty(vector(0.0, 0.0, 0.0));
+        self.curved(load_one(&self.patches, n, blank))
     }
 
     /// One patch a lane.
     #[inline(always)]
     pub(crate) fn patches<S: Simd, P: PairLanes<S>>(&self, simd: S, bytes: &[u32]) -> Patch<P> {
         let zero = P::load(simd, &[0.0; MAX_LANES]);
-        let mut patch = self.curved(Patch::empty(vector(zero, zero, zero)));
-        patch.visit(&mut Pick::<S, P, PATCH> {
-            columns: &self.patches,
-            simd,
-            places: P::places(simd, bytes),
-        });
-        patch
+        let blank = self.curved(Patch::empty(vector(zero, zero, zero)));
+        let places = P::places(simd, bytes);
+        pick_lanes::<S, P, _, PATCH>(simd, &self.patches, places, blank)
     }
 
     /// What is the same of all patches of a block.

@@ -2,11 +2,11 @@
 
 use fearless_simd::{f32x8, prelude::*};
 
-use super::columns::{in_columns, vertices};
+use super::columns::{Columns, in_columns, load_lanes};
 use super::packed_patch::PackedPatch;
 use crate::bounds::DirectionalBounds;
-use crate::numbers::{Patches, inlined};
-use crate::patch::{TriangleVertices, VERTICES};
+use crate::numbers::{Cursor, Fields, Patches, Real, to_array};
+use crate::patch::TriangleVertices;
 
 /// A curved triangle's vertices and its packed patch.
 #[derive(Clone, Copy, Debug)]
@@ -37,16 +37,31 @@ impl<'a> PackedTriangle<'a> {
     }
 }
 
-/// Numbers of a triangle: its vertices and the slab.
-const SOURCE: usize = VERTICES + 2;
+/// Triangles with the least and the greatest height of their surfaces.
+#[derive(Clone, Copy)]
+pub(crate) struct VerticesAndSlab<V> {
+    pub vertices: TriangleVertices<V>,
+    pub slab: [V; 2],
+}
 
-impl PackedTriangle<'_> {
+impl<V: Real> VerticesAndSlab<V> {
     #[inline(always)]
-    fn reach_source(&self) -> [f32; SOURCE] {
-        let mut source = [0.0; SOURCE];
-        self.vertices().write(&mut source[..VERTICES]);
-        source[VERTICES..].copy_from_slice(&self.packed().slab().unwrap_or([0.0; 2]));
-        source
+    pub fn blank(zero: V) -> Self {
+        Self {
+            vertices: TriangleVertices::blank(zero),
+            slab: [zero; 2],
+        }
+    }
+}
+
+impl<V: Real> Fields<V> for VerticesAndSlab<V> {
+    const COUNT: usize = TriangleVertices::<V>::COUNT + 2;
+
+    #[inline(always)]
+    fn visit(&mut self, cursor: &mut impl Cursor<V>) {
+        self.vertices.visit(cursor);
+        cursor.number(&mut self.slab[0]);
+        cursor.number(&mut self.slab[1]);
     }
 }
 
@@ -54,19 +69,18 @@ impl<S: Simd> DirectionalBounds<Patches<S>> {
     /// Of eight triangles, none without area, one a lane.
     #[inline(always)]
     pub fn of_patches<'a>(simd: S, of: impl Fn(usize) -> PackedTriangle<'a>) -> Self {
-        let columns = in_columns(
+        const COUNT: usize = VerticesAndSlab::<f32>::COUNT;
+        let columns: Columns<COUNT> = in_columns(
             #[inline(always)]
-            |n| of(n).reach_source(),
+            |n| {
+                let triangle = of(n);
+                let (vertices, slab) = (triangle.vertices, triangle.packed.slab());
+                let slab = slab.unwrap_or([0.0; 2]);
+                to_array(VerticesAndSlab { vertices, slab }, 0.0)
+            },
         );
-        let number = inlined(
-            #[inline(always)]
-            |n: usize| Patches(f32x8::from_slice(simd, &columns[n])),
-        );
-        let [positions, normals] = vertices(simd, &columns);
-        Self::new(
-            positions,
-            &normals,
-            [number(VERTICES), number(VERTICES + 1)],
-        )
+        let blank = VerticesAndSlab::blank(Patches(f32x8::splat(simd, 0.0)));
+        let VerticesAndSlab { vertices, slab } = load_lanes(simd, &columns, blank);
+        Self::new(vertices.positions, &vertices.normals, slab)
     }
 }
