@@ -24,11 +24,13 @@
 // The product rule.
 #![allow(clippy::suspicious_arithmetic_impl)]
 
+#[macro_use]
+mod numbers;
+
 mod bounds;
 mod build;
 mod evaluate;
 mod intersect;
-mod numbers;
 mod patch;
 mod store;
 

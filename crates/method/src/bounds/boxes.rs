@@ -1,7 +1,7 @@
 //! Boxes of patches, from the control points that bound their heights.
 
 use super::heights::{HeightNet, height_intervals};
-use crate::numbers::{Constant, Interval, Scalar, Vector, each, inlined, vector};
+use crate::numbers::{Constant, Interval, Scalar, Vector, inlined, vector};
 use crate::patch::{Patch, PatchKind, Rule, next};
 
 impl<S: Scalar> Patch<S> {
@@ -58,23 +58,20 @@ impl<S: Constant> Patch<S> {
         net: Option<&HeightNet<S>>,
         of: impl Fn(Vector<S>) -> S + Copy,
     ) -> Interval<S> {
-        let zero = self.area2.constant(0.0);
+        let zero = self.area2.zero();
         let points = [zero, of(self.spokes[0]), of(self.spokes[1])];
         let mut hull = Interval::between(points[1], points[2]).hull(Interval::of(zero));
         if let Some(net) = net {
             let guide = self.guide_range(of);
             let third = zero.constant(1.0 / 3.0);
-            each(
-                #[inline(always)]
-                |k| {
-                    let (p, q) = (points[k], points[next(k)]);
-                    let near = [(p + p + q) * third, (p + q + q) * third];
-                    for end in 0..2 {
-                        let out = net.edges[k][end].times(guide);
-                        hull = hull.hull(out.plus(Interval::of(near[end])));
-                    }
-                },
-            );
+            each!(|k| {
+                let (p, q) = (points[k], points[next(k)]);
+                let near = [(p + p + q) * third, (p + q + q) * third];
+                for end in 0..2 {
+                    let out = net.edges[k][end].times(guide);
+                    hull = hull.hull(out.plus(Interval::of(near[end])));
+                }
+            });
             let centre = (points[1] + points[2]) * third;
             hull = hull.hull(net.centre.times(guide).plus(Interval::of(centre)));
         }
@@ -104,14 +101,11 @@ impl<S: Constant> Patch<S> {
     fn guide_range(&self, of: impl Fn(Vector<S>) -> S) -> Interval<S> {
         let upright = of(self.normal);
         let mut guide = Interval::of(upright);
-        each(
-            #[inline(always)]
-            |k| {
-                let edge = &self.edges[k];
-                let inward = of(self.gradients[next(next(k))]) * edge.height;
-                guide = guide.hull(Interval::of(upright + edge.lean * inward));
-            },
-        );
+        each!(|k| {
+            let edge = &self.edges[k];
+            let inward = of(self.gradients[next(next(k))]) * edge.height;
+            guide = guide.hull(Interval::of(upright + edge.lean * inward));
+        });
         guide
     }
 }

@@ -1,6 +1,6 @@
 //! The planes of the volume that a ray is clipped to.
 
-use crate::numbers::{Constant, Real, Scalar, Vector, inlined};
+use crate::numbers::{Constant, Real, Scalar, Vector};
 use crate::patch::{ClipVolume, HalfSpace, Sphere, TriangleFrame, roots};
 
 /// How far beyond its edges a patch is still searched, in barycentric coordinates, before the
@@ -20,41 +20,35 @@ impl<S: Constant> ClipVolume<S> {
         slab: Option<[S; 2]>,
         sphere: Option<Sphere<S>>,
     ) -> Self {
-        let constant = inlined(
-            #[inline(always)]
-            |value: f64| frame.area2.constant(value),
-        );
+        let lanes = frame.area2;
         let up = frame.cross * frame.winding;
         // Of the guides below.
         let longest_guide = match slab {
-            Some(_) => constant(2.0),
+            Some(_) => lanes.two(),
             None => frame.area2,
         };
         let lengths = roots(frame.lengths2);
-        let edge = inlined(
-            #[inline(always)]
-            |k: usize| {
-                // The guides' plane through the edge; it stands upright where the triangle is flat.
-                let guide = match slab {
-                    Some(_) => normals[k] + normals[(k + 1) % 3],
-                    None => up,
-                };
-                let reach = longest_guide * lengths[k];
-                HalfSpace::of_edge(frame.edge_vectors[k], guide, up, frame.winding, reach)
-            },
-        );
+        let [first, second, third] = three!(|k| {
+            // The guides' plane through the edge; it stands upright where the triangle is flat.
+            let guide = match slab {
+                Some(_) => normals[k] + normals[(k + 1) % 3],
+                None => up,
+            };
+            let reach = longest_guide * lengths[k];
+            HalfSpace::of_edge(frame.edge_vectors[k], guide, up, frame.winding, reach)
+        });
         // A flat triangle's slab has no thickness: there the crossing of its plane decides.
         let [below, above] = match slab {
             Some([least, most]) if sphere.is_none() => [-least * frame.area2, most * frame.area2],
-            _ => [constant(f64::INFINITY); 2],
+            _ => [lanes.constant(f64::INFINITY); 2],
         };
         Self {
             origin: frame.origin,
             unit: frame.size.per_power_of_two(),
             planes: [
-                edge(0),
-                edge(1).through(frame.edge_vectors[0]),
-                edge(2),
+                first,
+                second.through(frame.edge_vectors[0]),
+                third,
                 HalfSpace::level(up, below, frame.area2),
                 HalfSpace::level(-up, above, frame.area2),
             ],

@@ -7,7 +7,7 @@
 //! with the control points of the plane triangle they bound the surface itself.
 
 use crate::evaluate::MIN_DAMPING_FACTOR;
-use crate::numbers::{Constant, Interval, Real, each, inlined, three};
+use crate::numbers::{Constant, Interval, Real, inlined};
 use crate::patch::{Patch, Rule, next};
 
 /// Least share of `n.nc` that `B` must keep for the guides to reach the spheres.
@@ -50,35 +50,24 @@ pub(crate) struct HeightIntervals<S: Real> {
 /// Bounds what each vertex's sphere asks for, under the patch's present rule.
 #[inline(always)]
 pub(crate) fn height_intervals<S: Constant>(patch: &Patch<S>) -> HeightIntervals<S> {
-    let constant = inlined(
-        #[inline(always)]
-        |value: f64| patch.area2.constant(value),
-    );
-    let one = constant(1.0);
+    let lanes = patch.area2;
+    let one = lanes.one();
     let [a, b, c] = &patch.edges;
     let damping = a.damping.greater(b.damping).greater(c.damping);
     // kappa_12 b1 b2 + kappa_23 b2 b3 + kappa_31 b3 b1 is at most a third of the greatest kappa.
-    let least = (one - damping * constant(1.0 / 3.0)).greater(constant(MIN_DAMPING_FACTOR));
-    let curvatures = three(
-        #[inline(always)]
-        |i| curvature_range(patch, i),
-    );
+    let least =
+        (one - damping * lanes.constant(1.0 / 3.0)).greater(lanes.constant(MIN_DAMPING_FACTOR));
+    let curvatures = three!(|i| curvature_range(patch, i));
     let mut conditioned = one.mask(true);
     if patch.rule == Rule::Angular {
         let length2 = a.length2.greater(b.length2).greater(c.length2);
-        each(
-            #[inline(always)]
-            |i| {
-                let bent = curvatures[i].max_abs() * length2;
-                conditioned = conditioned & bent.less(constant(MAX_ANGULAR_CURVATURE));
-            },
-        );
+        each!(|i| {
+            let bent = curvatures[i].max_abs() * length2;
+            conditioned = conditioned & bent.less(lanes.constant(MAX_ANGULAR_CURVATURE));
+        });
     }
     HeightIntervals {
-        vertices: three(
-            #[inline(always)]
-            |i| vertex_intervals(patch, i, curvatures[i]),
-        ),
+        vertices: three!(|i| vertex_intervals(patch, i, curvatures[i])),
         damping: Interval { lo: least, hi: one },
         conditioned,
     }
@@ -90,7 +79,7 @@ fn vertex_intervals<S: Constant>(
     i: usize,
     curvature: Interval<S>,
 ) -> VertexIntervals<S> {
-    let (zero, one) = (patch.area2.constant(0.0), patch.area2.constant(1.0));
+    let (zero, one) = (patch.area2.zero(), patch.area2.one());
     let (middles, corners) = offset_coefficients(patch, i, curvature);
     let offset = Interval::of(zero).hull(middles[0]).hull(middles[1]);
     let offset = offset.hull(middles[2]).hull(corners[0]).hull(corners[1]);
@@ -119,29 +108,26 @@ fn half_b_range<S: Constant>(
     i: usize,
     curvature: Interval<S>,
 ) -> (Interval<S>, Interval<S>) {
-    let (zero, one) = (patch.area2.constant(0.0), patch.area2.constant(1.0));
+    let (zero, one) = (patch.area2.zero(), patch.area2.one());
     let vertex = &patch.vertices[i];
     let mut half_b = Interval::of(vertex.normal);
     let mut guide2 = Interval::of(one);
-    each(
-        #[inline(always)]
-        |k| {
-            let edge = &patch.edges[k];
-            // In the sub-triangle of edge k the guide is nc + lean (1 - s) w, and d.w is y, at most a
-            // third of the height, less the vertex's own y.
-            let own = if k == next(i) { edge.height } else { zero };
-            let third = edge.height * one.constant(1.0 / 3.0);
-            let way = Interval {
-                lo: -own,
-                hi: third - own,
-            };
-            let inward = curvature.times(way).scaled(-one);
-            let inward = inward.plus(Interval::of(vertex.inward[k]));
-            let leaning = Interval::between(zero, edge.lean).times(inward);
-            half_b = half_b.hull(leaning.plus(Interval::of(vertex.normal)));
-            guide2.hi = guide2.hi.greater(one + edge.lean * edge.lean);
-        },
-    );
+    each!(|k| {
+        let edge = &patch.edges[k];
+        // In the sub-triangle of edge k the guide is nc + lean (1 - s) w, and d.w is y, at most a
+        // third of the height, less the vertex's own y.
+        let own = if k == next(i) { edge.height } else { zero };
+        let third = edge.height * one.constant(1.0 / 3.0);
+        let way = Interval {
+            lo: -own,
+            hi: third - own,
+        };
+        let inward = curvature.times(way).scaled(-one);
+        let inward = inward.plus(Interval::of(vertex.inward[k]));
+        let leaning = Interval::between(zero, edge.lean).times(inward);
+        half_b = half_b.hull(leaning.plus(Interval::of(vertex.normal)));
+        guide2.hi = guide2.hi.greater(one + edge.lean * edge.lean);
+    });
     (half_b, guide2)
 }
 
@@ -157,7 +143,7 @@ fn curvature_range<S: Constant>(patch: &Patch<S>, i: usize) -> Interval<S> {
     }
     // c(phi) = mean + radius cos(2 (phi - phi0)) over the angle at the vertex: beside its ends it
     // has an extreme inside exactly if it falls, or rises, away from both.
-    let (zero, half) = (at_j.constant(0.0), at_j.constant(0.5));
+    let (zero, half) = (at_j.zero(), at_j.half());
     let (length_j, length_k) = (Real::sqrt(to_j.length2), Real::sqrt(to_k.length2));
     let product = length_j * length_k;
     let (cosine, sine) = (patch.vertices[i].between / product, patch.area2 / product);
@@ -165,8 +151,7 @@ fn curvature_range<S: Constant>(patch: &Patch<S>, i: usize) -> Interval<S> {
     let away_from_k = (mixed - at_k * cosine) / sine;
     let away_from_j = (mixed - at_j * cosine) / sine;
     let perpendicular =
-        (at_j - at_k * cosine * cosine - away_from_k * cosine * sine * at_j.constant(2.0))
-            / (sine * sine);
+        (at_j - at_k * cosine * cosine - away_from_k * cosine * sine * at_j.two()) / (sine * sine);
     let mean = (at_k + perpendicular) * half;
     let difference = (at_k - perpendicular) * half;
     let radius = Real::sqrt(difference * difference + away_from_k * away_from_k);
@@ -215,7 +200,7 @@ fn offset_coefficients<S: Constant>(
     let narrower = width(&by_angle).less(width(&anywhere));
     let choose = |a, b| Interval::select(narrower, a, b);
     (
-        three(|n| choose(by_angle.0[n], anywhere.0[n])),
+        three!(|n| choose(by_angle.0[n], anywhere.0[n])),
         [0, 1].map(|n| choose(by_angle.1[n], anywhere.1[n])),
     )
 }
@@ -260,13 +245,10 @@ impl<S: Constant> HeightIntervals<S> {
     pub fn is_tame(&self) -> S::Mask {
         let share = self.damping.hi.constant(MIN_DISCRIMINANT);
         let mut tame = self.reaches();
-        each(
-            #[inline(always)]
-            |i| {
-                let b = self.vertices[i].half_b.lo;
-                tame = tame & (share * b * b).less(self.vertices[i].discriminant);
-            },
-        );
+        each!(|i| {
+            let b = self.vertices[i].half_b.lo;
+            tame = tame & (share * b * b).less(self.vertices[i].discriminant);
+        });
         tame
     }
 
@@ -275,17 +257,14 @@ impl<S: Constant> HeightIntervals<S> {
     #[inline(always)]
     pub fn reaches(&self) -> S::Mask {
         let least = self.damping.hi.constant(MIN_REACH);
-        let zero = self.damping.hi.constant(0.0);
+        let zero = self.damping.hi.zero();
         let mut reaches = self.conditioned;
-        each(
-            #[inline(always)]
-            |i| {
-                let vertex = &self.vertices[i];
-                // Zero times what is not finite is no number.
-                let finite = (vertex.reach.hi * zero).at_most(zero);
-                reaches = reaches & least.less(vertex.half_b.lo) & finite;
-            },
-        );
+        each!(|i| {
+            let vertex = &self.vertices[i];
+            // Zero times what is not finite is no number.
+            let finite = (vertex.reach.hi * zero).at_most(zero);
+            reaches = reaches & least.less(vertex.half_b.lo) & finite;
+        });
         reaches
     }
 }
@@ -303,10 +282,7 @@ impl<S: Constant> HeightNet<S> {
     #[inline(always)]
     pub fn new(patch: &Patch<S>, intervals: &HeightIntervals<S>) -> Self {
         let third = patch.area2.constant(1.0 / 3.0);
-        let reach = three(
-            #[inline(always)]
-            |i| intervals.vertices[i].reach.times(intervals.damping),
-        );
+        let reach = three!(|i| intervals.vertices[i].reach.times(intervals.damping));
         let middle = inlined(
             #[inline(always)]
             |i: usize, at: usize| intervals.vertices[i].middles[at].times(reach[i]),
@@ -315,16 +291,13 @@ impl<S: Constant> HeightNet<S> {
             #[inline(always)]
             |i: usize, at: usize| intervals.vertices[i].corners[at].times(reach[i]),
         );
-        let edges = three(
-            #[inline(always)]
-            |k| {
-                let (i, j) = (k, next(k));
-                // b_i^2 b_j: twice from vertex i's middle, once from vertex j's corner at i.
-                let near_first = middle(i, 0).plus(middle(i, 0)).plus(corner(j, 1));
-                let near_second = middle(j, 1).plus(middle(j, 1)).plus(corner(i, 0));
-                [near_first.scaled(third), near_second.scaled(third)]
-            },
-        );
+        let edges = three!(|k| {
+            let (i, j) = (k, next(k));
+            // b_i^2 b_j: twice from vertex i's middle, once from vertex j's corner at i.
+            let near_first = middle(i, 0).plus(middle(i, 0)).plus(corner(j, 1));
+            let near_second = middle(j, 1).plus(middle(j, 1)).plus(corner(i, 0));
+            [near_first.scaled(third), near_second.scaled(third)]
+        });
         let across = middle(0, 2).plus(middle(1, 2)).plus(middle(2, 2));
         Self {
             edges,
@@ -353,10 +326,7 @@ impl<S: Constant> HeightNet<S> {
     #[inline(always)]
     fn hull(&self) -> Interval<S> {
         let mut hull = Interval::zero(self.centre.lo);
-        each(
-            #[inline(always)]
-            |k| hull = hull.hull(self.edges[k][0]).hull(self.edges[k][1]),
-        );
+        each!(|k| hull = hull.hull(self.edges[k][0]).hull(self.edges[k][1]));
         hull.hull(self.centre)
     }
 
@@ -364,19 +334,13 @@ impl<S: Constant> HeightNet<S> {
     /// much, may stand for.
     #[inline(always)]
     pub fn is_low(&self, patch: &Patch<S>) -> S::Mask {
-        let constant = inlined(
-            #[inline(always)]
-            |value: f64| patch.area2.constant(value),
-        );
-        let mut bend = constant(0.0);
-        each(
-            #[inline(always)]
-            |k| {
-                let [first, second] = patch.edges[k].bend;
-                bend = bend.greater(first.abs()).greater(second.abs());
-            },
-        );
-        let most = (bend * constant(MAX_HEIGHT_TO_BEND)).lesser(constant(MAX_HEIGHT));
+        let lanes = patch.area2;
+        let mut bend = lanes.zero();
+        each!(|k| {
+            let [first, second] = patch.edges[k].bend;
+            bend = bend.greater(first.abs()).greater(second.abs());
+        });
+        let most = (bend * lanes.constant(MAX_HEIGHT_TO_BEND)).lesser(lanes.constant(MAX_HEIGHT));
         self.hull().max_abs().at_most(most)
     }
 
@@ -396,17 +360,14 @@ impl<S: Constant> HeightNet<S> {
 /// the bubble, and `b1 b2 b3` is at most a third of that sum's square.
 #[inline(always)]
 fn loose_reach<S: Constant>(patch: &Patch<S>) -> S {
-    let mut most = patch.area2.constant(0.0);
-    each(
-        #[inline(always)]
-        |k| {
-            let [first, second] = patch.edges[k].loose.map(u32::from);
-            if first + second > 0 {
-                let doubled = most.constant(f64::from(1u32 << (first + second)));
-                most = most.greater(slope_range(patch, k).max_abs() * doubled);
-            }
-        },
-    );
+    let mut most = patch.area2.zero();
+    each!(|k| {
+        let [first, second] = patch.edges[k].loose.map(u32::from);
+        if first + second > 0 {
+            let doubled = most.constant(f64::from(1u32 << (first + second)));
+            most = most.greater(slope_range(patch, k).max_abs() * doubled);
+        }
+    });
     most
 }
 
@@ -414,7 +375,7 @@ fn loose_reach<S: Constant>(patch: &Patch<S>) -> S {
 #[inline(always)]
 fn slope_range<S: Constant>(patch: &Patch<S>, k: usize) -> Interval<S> {
     let [c0, c1, c2] = patch.edges[k].correction;
-    let middle = Interval::of(c0 + c1 * c1.constant(0.5));
+    let middle = Interval::of(c0 + c1 * c1.half());
     Interval::of(c0)
         .hull(middle)
         .hull(Interval::of(c0 + c1 + c2))
@@ -423,9 +384,6 @@ fn slope_range<S: Constant>(patch: &Patch<S>, k: usize) -> Interval<S> {
 /// The values the correction's weighted slope takes.
 #[inline(always)]
 fn correction_range<S: Constant>(patch: &Patch<S>) -> Interval<S> {
-    let [a, b, c] = three(
-        #[inline(always)]
-        |k| slope_range(patch, k),
-    );
+    let [a, b, c] = three!(|k| slope_range(patch, k));
     a.hull(b).hull(c).widened(loose_reach(patch))
 }

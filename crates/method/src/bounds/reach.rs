@@ -1,6 +1,6 @@
 //! How far curved triangles reach along any direction, from what is kept of them.
 
-use crate::numbers::{Constant, Vector, inlined, three, vector};
+use crate::numbers::{Constant, Vector, inlined, vector};
 use crate::patch::TriangleFrame;
 
 /// Below this cosine between a vertex normal and the plane's, guides may lean more than can be said ...
@@ -24,7 +24,7 @@ impl<V: Constant> DirectionalBounds<V> {
     #[inline(always)]
     pub fn new(positions: [Vector<V>; 3], normals: &[Vector<V>; 3], slab: [V; 2]) -> Self {
         let frame = TriangleFrame::of_sound(&positions, normals);
-        let (zero, one) = (frame.area2.constant(0.0), frame.area2.constant(1.0));
+        let (zero, one) = (frame.area2.zero(), frame.area2.one());
         let has_plane = zero.less(frame.area2);
         let per_area = frame.winding / V::select(has_plane, frame.area2, one);
         let plane = frame.cross * per_area;
@@ -38,10 +38,7 @@ impl<V: Constant> DirectionalBounds<V> {
             either(plane.y, beside.y),
             either(plane.z, beside.z),
         );
-        let [a, b, c] = three(
-            #[inline(always)]
-            |i| normals[i].dot(normal),
-        );
+        let [a, b, c] = three!(|i| normals[i].dot(normal));
         // A guide stands on a sum of normals, which leans no more than they do.
         let least = a.lesser(b).lesser(c);
         let known = one.constant(MIN_COSINE).less(least);
@@ -72,10 +69,7 @@ impl<V: Constant> DirectionalBounds<V> {
     /// vertices nearby.
     #[inline(always)]
     pub fn has_edge_below(&self, direction: Vector<V>) -> V::Mask {
-        let [a, b, c] = three(
-            #[inline(always)]
-            |i| direction.dot(self.corners[i] - self.corners[0]),
-        );
+        let [a, b, c] = three!(|i| direction.dot(self.corners[i] - self.corners[0]));
         let ends = a.lesser(b).lesser(c) + a.greater(b).greater(c);
         // The vertex between them is below their middle.
         (a + b + c).less(ends * ends.constant(1.5))
@@ -85,11 +79,8 @@ impl<V: Constant> DirectionalBounds<V> {
     /// from a point; but for rounding.
     #[inline(always)]
     pub fn along(&self, direction: Vector<V>, from: Vector<V>) -> [V; 2] {
-        let [a, b, c] = three(
-            #[inline(always)]
-            |i| direction.dot(self.corners[i] - from),
-        );
-        let zero = a.constant(0.0);
+        let [a, b, c] = three!(|i| direction.dot(self.corners[i] - from));
+        let zero = a.zero();
         let upright = direction.dot(self.normal);
         let aside = (direction.dot(direction) - upright * upright).greater(zero);
         let beside = aside.sqrt() * self.lean;

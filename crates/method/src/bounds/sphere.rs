@@ -14,7 +14,7 @@
 //! A flat triangle has no sphere: its box is its vertices', and the crossing of its plane decides.
 
 use super::heights::HeightNet;
-use crate::numbers::{Interval, Scalar, Vector, three, vector};
+use crate::numbers::{Interval, Scalar, Vector, vector};
 use crate::patch::{Enlargement, Patch, Sphere, TriangleFrame, next};
 
 /// How far beyond the longest edge a centre may lie, in lengths of that edge. At this limit the
@@ -107,7 +107,7 @@ impl<S: Scalar> Sphere<S> {
 
     /// The guides between which all others of the patch lie: upright on the medians, and each edge's.
     fn guides(patch: &Patch<S>) -> [Vector<S>; 4] {
-        let leaning = three(|k| {
+        let leaning = three!(|k| {
             let edge = &patch.edges[k];
             patch.normal + patch.gradients[next(next(k))] * (edge.height * edge.lean)
         });

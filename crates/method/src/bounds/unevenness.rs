@@ -1,6 +1,6 @@
 //! How far a surface may be off its paraboloid.
 
-use crate::numbers::{Constant, Vector, each, inlined, three};
+use crate::numbers::{Constant, Vector, inlined};
 use crate::patch::{Patch, Rule, next};
 
 /// How far the surface may be off the paraboloid, in units of the patch's size, for a unit of slope: it is not
@@ -16,8 +16,8 @@ impl<S: Constant> Patch<S> {
     #[inline(always)]
     pub(crate) fn unevenness(&self, normals: &[Vector<S>; 3]) -> S {
         const PLACES: [[f64; 2]; 4] = [[0.2, 0.2], [0.6, 0.2], [0.2, 0.6], [0.33, 0.34]];
-        let zero = self.area2.constant(0.0);
-        let one = self.area2.constant(1.0);
+        let zero = self.area2.zero();
+        let one = self.area2.one();
         let (mut furthest, mut steepest, mut all) = (zero, zero, zero);
         let mut look = inlined(
             #[inline(always)]
@@ -32,14 +32,11 @@ impl<S: Constant> Patch<S> {
                 all = all + off;
             },
         );
-        each(
-            #[inline(always)]
-            |i| {
-                let mut b = [zero; 3];
-                b[i] = one;
-                look(b, normals[i]);
-            },
-        );
+        each!(|i| {
+            let mut b = [zero; 3];
+            b[i] = one;
+            look(b, normals[i]);
+        });
         // Where the angular rule's surface is off most: half-way along an edge.
         let edges: &[_] = match self.rule {
             Rule::Angular => &[[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]],
@@ -56,13 +53,10 @@ impl<S: Constant> Patch<S> {
     /// The paraboloid's slope, uphill.
     #[inline(always)]
     fn paraboloid_slope(&self, b: [S; 3]) -> Vector<S> {
-        let [first, second, third] = three(
-            #[inline(always)]
-            |k| {
-                let (i, j) = (k, next(k));
-                (self.gradients[j] * b[i] + self.gradients[i] * b[j]) * self.edges[k].bulge
-            },
-        );
+        let [first, second, third] = three!(|k| {
+            let (i, j) = (k, next(k));
+            (self.gradients[j] * b[i] + self.gradients[i] * b[j]) * self.edges[k].bulge
+        });
         first + second + third
     }
 }

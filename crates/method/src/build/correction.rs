@@ -8,7 +8,7 @@
 //! ARCHITECTURE.md.
 
 use super::edge_derivatives::EdgeDerivatives;
-use crate::numbers::{Constant, Real, inlined, three};
+use crate::numbers::{Constant, Real, inlined};
 use crate::patch::{Patch, PatchFlags, next};
 
 /// Where along an edge the slope is sampled.
@@ -34,16 +34,13 @@ pub(crate) fn fit<S: Constant>(patch: &mut Patch<S>, flags: PatchFlags) {
         let [first, second] = patch.edges[k].loose;
         let rim = EdgeDerivatives::new(patch, k);
         // The places next to each other, so that none waits for another's roots.
-        let slopes = three(
-            #[inline(always)]
-            |n| {
-                let at = SAMPLES[n];
-                let at_first = if first { 1.0 } else { at };
-                let at_second = if second { 1.0 } else { 1.0 - at };
-                let scale = strength.constant(1.0 / (at_first * at_second));
-                slope(patch, &rim, k, at) * strength * scale
-            },
-        );
+        let slopes = three!(|n| {
+            let at = SAMPLES[n];
+            let at_first = if first { 1.0 } else { at };
+            let at_second = if second { 1.0 } else { 1.0 - at };
+            let scale = strength.constant(1.0 / (at_first * at_second));
+            slope(patch, &rim, k, at) * strength * scale
+        });
         patch.edges[k].correction = quadratic(slopes);
     }
 }
@@ -57,9 +54,7 @@ fn strength<S: Constant>(patch: &Patch<S>) -> S {
         #[inline(always)]
         |value: S, [from, to]: [f64; 2]| {
             let share = (value - value.constant(from)) * value.constant(1.0 / (to - from));
-            share
-                .greater(value.constant(0.0))
-                .lesser(value.constant(1.0))
+            share.greater(value.zero()).lesser(value.one())
         },
     );
     let steepest = a.normal.lesser(b.normal).lesser(c.normal);
@@ -71,10 +66,7 @@ fn strength<S: Constant>(patch: &Patch<S>) -> S {
 #[inline(always)]
 fn slope<S: Constant>(patch: &Patch<S>, rim: &EdgeDerivatives<S>, k: usize, share: f64) -> S {
     let edge = &patch.edges[k];
-    let constant = inlined(
-        #[inline(always)]
-        |value: f64| edge.lean.constant(value),
-    );
+    let lanes = edge.lean;
     let surface = rim.at(share);
     // In the frame (along, inward, up) a point is (x, y + lean h, h). One tangent is by the share along the
     // edge, the other by the opposite vertex's coordinate.
@@ -86,7 +78,7 @@ fn slope<S: Constant>(patch: &Patch<S>, rim: &EdgeDerivatives<S>, k: usize, shar
     let (first, second) = (&patch.vertices[k], &patch.vertices[next(k)]);
     let mix = inlined(
         #[inline(always)]
-        |a: S, b: S| a * constant(1.0 - share) + b * constant(share),
+        |a: S, b: S| a * lanes.constant(1.0 - share) + b * lanes.constant(share),
     );
     let normal = [
         mix(first.inward[k], second.inward[k]),
@@ -94,14 +86,14 @@ fn slope<S: Constant>(patch: &Patch<S>, rim: &EdgeDerivatives<S>, k: usize, shar
     ];
     // Made perpendicular to the tangent, whose part along the edge is the edge; times its square, which
     // cancels.
-    let along = mix(edge.bend[0], -edge.bend[1]) * constant(0.5);
+    let along = mix(edge.bend[0], -edge.bend[1]) * lanes.half();
     let part = along + normal[0] * tangent[0] + normal[1] * tangent[1];
     let square = edge.length2 + tangent[0] * tangent[0] + tangent[1] * tangent[1];
     let [inward, up] = [
         normal[0] * square - tangent[0] * part,
         normal[1] * square - tangent[1] * part,
     ];
-    let most = edge.height * constant(MAX_TURN);
+    let most = edge.height * lanes.constant(MAX_TURN);
     let turn = -((across[0] * inward + across[1] * up) / (edge.lean * inward + up));
     turn.greater(-most).lesser(most)
 }
@@ -112,16 +104,14 @@ fn quadratic<S: Real>(values: [S; 3]) -> [S; 3] {
     let [l, m, r] = SAMPLES;
     let step = m - l;
     debug_assert!((r - m - step).abs() < 1e-12);
-    let scale = inlined(
-        #[inline(always)]
-        |x: f64| values[0].constant(x),
-    );
-    let second = (values[0] - values[1] - values[1] + values[2]) * scale(0.5 / (step * step));
-    let first = (values[2] - values[0]) * scale(0.5 / step);
+    let lanes = values[0];
+    let second =
+        (values[0] - values[1] - values[1] + values[2]) * lanes.constant(0.5 / (step * step));
+    let first = (values[2] - values[0]) * lanes.constant(0.5 / step);
     // value + first (x - m) + second (x - m)^2
     [
-        values[1] - first * scale(m) + second * scale(m * m),
-        first - second * scale(2.0 * m),
+        values[1] - first * lanes.constant(m) + second * lanes.constant(m * m),
+        first - second * lanes.constant(2.0 * m),
         second,
     ]
 }

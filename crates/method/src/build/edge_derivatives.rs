@@ -83,7 +83,7 @@ impl<S: Constant> End<S> {
         // The vertex's other edge, its bend there, and the edge opposite to it.
         let (vertex, bend, foot, other, other_bend, opposite) = if second {
             let other = &patch.edges[after];
-            let foot = edge.foot.constant(1.0) - edge.foot;
+            let foot = edge.foot.one() - edge.foot;
             (after, edge.bend[1], foot, other, other.bend[0], before)
         } else {
             let other = &patch.edges[before];
@@ -113,7 +113,7 @@ impl<'a, S: Constant> EdgeDerivatives<'a, S> {
     #[inline(always)]
     pub fn new(patch: &'a Patch<S>, k: usize) -> Self {
         let edge = &patch.edges[k];
-        let (one, two) = (edge.foot.constant(1.0), edge.foot.constant(2.0));
+        let (one, two) = (edge.foot.one(), edge.foot.two());
         Self {
             patch,
             k,
@@ -132,25 +132,22 @@ impl<'a, S: Constant> EdgeDerivatives<'a, S> {
     #[inline(always)]
     pub fn at(&self, share: f64) -> Place<S> {
         let edge = &self.patch.edges[self.k];
-        let constant = inlined(
-            #[inline(always)]
-            |value: f64| edge.lean.constant(value),
-        );
+        let lanes = edge.lean;
         let rest = 1.0 - share;
         let mix = inlined(
             #[inline(always)]
-            |a: S, b: S| a * constant(rest) + b * constant(share),
+            |a: S, b: S| a * lanes.constant(rest) + b * lanes.constant(share),
         );
         let [first, second] = &self.ends;
-        let bubble = constant(share * rest);
-        let factor = constant(1.0) - edge.damping * bubble;
-        let from_first = self.per_ramp[0] * constant(1.0 / share);
-        let from_second = self.per_ramp[1] * constant(1.0 / rest);
+        let bubble = lanes.constant(share * rest);
+        let factor = lanes.one() - edge.damping * bubble;
+        let from_first = self.per_ramp[0] * lanes.constant(1.0 / share);
+        let from_second = self.per_ramp[1] * lanes.constant(1.0 / rest);
         let place = Damped {
             bubble,
             factor,
             factor_across: mix(first.damping, second.damping),
-            along: constant(rest - share) * (factor - edge.damping * bubble),
+            along: lanes.constant(rest - share) * (factor - edge.damping * bubble),
             per_ramp: from_first.greater(from_second),
         };
         let (p, q) = (
@@ -170,11 +167,8 @@ impl<'a, S: Constant> EdgeDerivatives<'a, S> {
     #[inline(always)]
     fn meet(&self, end: &End<S>, share: f64, place: &Damped<S>) -> SphereRoot<S> {
         let edge = &self.patch.edges[self.k];
-        let constant = inlined(
-            #[inline(always)]
-            |value: f64| end.bend.constant(value),
-        );
-        let (zero, one) = (constant(0.0), constant(1.0));
+        let lanes = end.bend;
+        let (zero, one) = (lanes.zero(), lanes.one());
         let curvature = end.bend * self.per_length2;
         // a t^2 - 2 b t + c = 0
         let a = curvature * self.guide2;
@@ -186,15 +180,15 @@ impl<'a, S: Constant> EdgeDerivatives<'a, S> {
         let twice = root + root;
         // One division for both.
         let product = sum * twice;
-        let usable = constant(1e-30).less(product);
+        let usable = lanes.constant(1e-30).less(product);
         let inverse = S::select(usable, one, zero) / S::select(usable, product, one);
         let at = c * (twice * inverse);
         let per_twice = sum * inverse;
         let lean2 = edge.lean * edge.lean;
-        let a_across = end.twist * self.per_length2 * self.guide2 * constant(1.0 / share)
+        let a_across = end.twist * self.per_length2 * self.guide2 * lanes.constant(1.0 / share)
             - (curvature + curvature) * lean2 * place.per_ramp;
         let b_across = -(end.leaning * place.per_ramp + curvature * (edge.lean * edge.height));
-        let c_across = (end.twist * constant(share) + end.skew) * place.factor
+        let c_across = (end.twist * lanes.constant(share) + end.skew) * place.factor
             - end.bend * (place.bubble * place.factor_across);
         SphereRoot {
             at,
@@ -214,7 +208,7 @@ impl<'a, S: Constant> EdgeDerivatives<'a, S> {
         let distance2 = beside * beside * edge.length2 + edge.height * edge.height;
         let curvature = match patch.rule {
             Rule::Angular => {
-                let mut b = [s.constant(0.0); 3];
+                let mut b = [s.zero(); 3];
                 (b[k], b[after]) = (rest, s);
                 patch.angular(before, b, distance2)
             }

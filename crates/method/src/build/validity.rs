@@ -2,7 +2,7 @@
 //! conservative.
 
 use crate::evaluate::MIN_DAMPING_FACTOR;
-use crate::numbers::{Constant, Real, Vector, each, inlined};
+use crate::numbers::{Constant, Real, Vector, inlined};
 use crate::patch::{Patch, next};
 
 /// Largest share of the way to the median by which a guide on the edge may lean over at the
@@ -20,13 +20,10 @@ pub(crate) fn shears<S: Constant>(patch: &Patch<S>) -> S::Mask {
     // An edge's middle is about an eighth of its mean bend off the plane.
     let most = least * least.constant(8.0 * MAX_SHEAR);
     let mut runs = least.mask(true);
-    each(
-        #[inline(always)]
-        |k| {
-            let apart = patch.mean_bend(k) - patch.mean_bend(next(k));
-            runs = runs & apart.abs().less(most);
-        },
-    );
+    each!(|k| {
+        let apart = patch.mean_bend(k) - patch.mean_bend(next(k));
+        runs = runs & apart.abs().less(most);
+    });
     !runs
 }
 
@@ -48,11 +45,7 @@ pub(crate) fn folds<S: Constant>(patch: &Patch<S>) -> S::Mask {
 fn stands_on_edge<S: Constant>(patch: &Patch<S>, k: usize) -> S::Mask {
     let edge = &patch.edges[k];
     let lanes = edge.foot;
-    let (zero, half, one) = (
-        lanes.constant(0.0),
-        lanes.constant(0.5),
-        lanes.constant(1.0),
-    );
+    let (zero, half, one) = (lanes.zero(), lanes.half(), lanes.one());
     let most = lanes.constant(MAX_FOLD);
     let third = lanes.constant(1.0 / 3.0);
     let centroid = S::select(edge.obtuse, half, (one + edge.foot) * third);
@@ -85,7 +78,7 @@ fn stands_on_edge<S: Constant>(patch: &Patch<S>, k: usize) -> S::Mask {
 /// triangles: the ramp `b_m / min(b_i, b_j)` is steepest at the median or at the edge.
 #[inline(always)]
 fn ramp_rise<S: Constant>(foot: S) -> [S; 2] {
-    let one = foot.constant(1.0);
+    let one = foot.one();
     let steepness = inlined(
         #[inline(always)]
         |reach: S| one / (reach * reach).greater(one),
@@ -98,14 +91,14 @@ fn ramp_rise<S: Constant>(foot: S) -> [S; 2] {
 fn end_lift<S: Constant>(patch: &Patch<S>, k: usize, end: usize, along: S) -> S {
     let edge = &patch.edges[k];
     let vertex = &patch.vertices[if end == 0 { k } else { next(k) }];
-    let one = along.constant(1.0);
+    let one = along.one();
     let share = along * (one - along);
     let floor = along.constant(MIN_DAMPING_FACTOR);
     let bend = -edge.bend[end] * (one - edge.damping * share).greater(floor);
     let half_b = vertex.normal + edge.lean * vertex.inward[k];
     let a = edge.bend[end] / edge.length2 * (one + edge.lean * edge.lean);
     let discriminant = half_b * half_b - a * bend * share;
-    bend / (half_b + Real::sqrt(discriminant.greater(along.constant(0.0))))
+    bend / (half_b + Real::sqrt(discriminant.greater(along.zero())))
 }
 
 /// Below this cosine between a vertex normal and the triangle's plane normal the method does not
@@ -116,20 +109,14 @@ impl<S: Constant> Patch<S> {
     /// Whether all vertex normals are on the plane's side.
     #[inline(always)]
     pub(crate) fn agrees(&self, normals: &[Vector<S>; 3]) -> S::Mask {
-        let (zero, least) = (
-            self.area2.constant(0.0),
-            self.area2.constant(MIN_NORMAL_COSINE),
-        );
+        let (zero, least) = (self.area2.zero(), self.area2.constant(MIN_NORMAL_COSINE));
         let mut agrees = zero.mask(true);
-        each(
-            #[inline(always)]
-            |i| {
-                // Zero times what is not finite is no number, which fails any comparison.
-                let Vector { x, y, z } = normals[i] * zero;
-                let finite = (x + y + z).at_most(zero);
-                agrees = agrees & least.less(self.vertices[i].normal) & finite;
-            },
-        );
+        each!(|i| {
+            // Zero times what is not finite is no number, which fails any comparison.
+            let Vector { x, y, z } = normals[i] * zero;
+            let finite = (x + y + z).at_most(zero);
+            agrees = agrees & least.less(self.vertices[i].normal) & finite;
+        });
         agrees
     }
 }

@@ -39,7 +39,7 @@ impl<S: Constant> Patch<S> {
         choice: Choice<V>,
     ) -> Foot<V, T> {
         let lanes = choice.lanes;
-        let one = lanes.constant(1.0);
+        let one = lanes.one();
         let edges = &self.edges;
         let b_i = choice.pick(b);
         let b_m = choice.pick([b[2], b[0], b[1]]);
@@ -66,7 +66,7 @@ impl<S: Constant> Patch<S> {
     /// The medians' guides are vertical, so the foot's sub-triangle is the projection's.
     #[inline(always)]
     pub(crate) fn foot_under<V: Real<Scalar = S>>(&self, above: [V; 3], z: V) -> Foot<V, V> {
-        let (zero, one) = (z.constant(0.0), z.constant(1.0));
+        let (zero, one) = (z.zero(), z.one());
         let edges = &self.edges;
         let choice = Choice::<V>::nearest(above);
         if self.rule == Rule::Flat {
@@ -137,9 +137,9 @@ impl<S: Constant> Patch<S> {
     fn median<V: Real<Scalar = S>, T: Jet<V>>(&self, along: T, choice: Choice<V>) -> T {
         let from_first = along.times(choice.constant(|k| self.edges[k].rise[0]));
         let from_second = (-along)
-            .plus(choice.lanes.constant(1.0))
+            .plus(choice.lanes.one())
             .times(choice.constant(|k| self.edges[k].rise[1]));
-        at_least(lesser(from_first, from_second), choice.lanes.constant(0.0))
+        at_least(lesser(from_first, from_second), choice.lanes.zero())
     }
 }
 
@@ -150,11 +150,7 @@ impl<S: Constant> Patch<S> {
 /// root that stays finite as `a1` vanishes is the foot.
 #[inline(always)]
 fn ramp_under<V: Real>(along: V, foot: V, above_m: V, shift: V) -> (V, V) {
-    let (zero, one, two) = (
-        shift.constant(0.0),
-        shift.constant(1.0),
-        shift.constant(2.0),
-    );
+    let (zero, one, two) = (shift.zero(), shift.one(), shift.two());
     let (excess, four) = (above_m - shift, shift.constant(4.0));
     let tiny = shift.constant(1e-30);
     let root = inlined(

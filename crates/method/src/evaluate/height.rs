@@ -2,9 +2,7 @@
 //! of the three vertices.
 
 use super::guide::Foot;
-use crate::numbers::{
-    Constant, Jet, Quadratic, Real, at_least, capped, inlined, ratio_or_zero, three,
-};
+use crate::numbers::{Constant, Jet, Quadratic, Real, at_least, capped, inlined, ratio_or_zero};
 use crate::patch::{Patch, Rule, next};
 
 /// The damping factor's floor: where three edges disagree strongly it would turn negative. An edge
@@ -40,17 +38,14 @@ impl<S: Constant> Patch<S> {
     pub(crate) fn uncorrected<V: Real<Scalar = S>, T: Jet<V>>(&self, foot: &Foot<V, T>) -> T {
         let lanes = foot.lean.value();
         if self.rule == Rule::Flat {
-            return T::lift(lanes.constant(0.0));
+            return T::lift(lanes.zero());
         }
         let b = foot.b;
         let damping = self.damping_factor(b);
-        let guide2 = foot.lean.mul_add(foot.lean, T::lift(lanes.constant(1.0)));
+        let guide2 = foot.lean.mul_add(foot.lean, T::lift(lanes.one()));
         let height = foot.choice.constant(|k| self.edges[k].height);
         let up = foot.choice.pick([b[2], b[0], b[1]]).times(height);
-        let spheres = three(
-            #[inline(always)]
-            |i| self.on_sphere(i, foot, damping, guide2, up, height),
-        );
+        let spheres = three!(|i| self.on_sphere(i, foot, damping, guide2, up, height));
         T::near_roots(b, spheres)
     }
 
@@ -86,7 +81,7 @@ impl<S: Constant> Patch<S> {
             T::lift(lanes.splat(vertex.normal)),
         );
         // Of the way from the vertex only the part along the lean meets the guide.
-        let opposite = V::select(foot.choice.is(j), height, lanes.constant(0.0));
+        let opposite = V::select(foot.choice.is(j), height, lanes.zero());
         let way_guide = foot.lean * up.plus(-opposite);
         let a = curvature.times_distance2 * guide2;
         let half_b = distance2.mul_sub(normal_guide, curvature.times_distance2 * way_guide);
@@ -158,7 +153,7 @@ impl<S: Constant> Patch<S> {
                 (b[k] * b[next(k)]).times_add(lanes.splat(-self.edges[k].damping), rest)
             },
         );
-        let factor = damping(0, damping(1, damping(2, T::lift(lanes.constant(1.0)))));
+        let factor = damping(0, damping(1, damping(2, T::lift(lanes.one()))));
         at_least(factor, lanes.constant(MIN_DAMPING_FACTOR))
     }
 
@@ -166,28 +161,19 @@ impl<S: Constant> Patch<S> {
     #[inline(always)]
     fn correction<V: Real<Scalar = S>, T: Jet<V>>(&self, b: [T; 3]) -> T {
         let lanes = b[0].value();
-        let (zero, one) = (lanes.constant(0.0), lanes.constant(1.0));
-        let weights = three(
-            #[inline(always)]
-            |k| b[k] * b[next(k)],
-        );
-        let [first, second, third] = three(
-            #[inline(always)]
-            |k| {
-                let edge = &self.edges[k];
-                let free = b[next(next(k))].times_add(lanes.splat(edge.foot), b[next(k)]);
-                let along = capped(at_least(free, zero), one);
-                let [c0, c1, c2] = three(
-                    #[inline(always)]
-                    |n| lanes.splat(edge.correction[n]),
-                );
-                let mut slope = along.mul_add(along.times_add(c2, T::lift(c1)), T::lift(c0));
-                if self.any_loose {
-                    slope = slope / loosened(edge.loose, free, b[k], b[next(k)]);
-                }
-                slope
-            },
-        );
+        let (zero, one) = (lanes.zero(), lanes.one());
+        let weights = three!(|k| b[k] * b[next(k)]);
+        let [first, second, third] = three!(|k| {
+            let edge = &self.edges[k];
+            let free = b[next(next(k))].times_add(lanes.splat(edge.foot), b[next(k)]);
+            let along = capped(at_least(free, zero), one);
+            let [c0, c1, c2] = three!(|n| lanes.splat(edge.correction[n]));
+            let mut slope = along.mul_add(along.times_add(c2, T::lift(c1)), T::lift(c0));
+            if self.any_loose {
+                slope = slope / loosened(edge.loose, free, b[k], b[next(k)]);
+            }
+            slope
+        });
         let sum = weights[0].mul_add(first, weights[1].mul_add(second, weights[2] * third));
         let share = weights[0] + weights[1] + weights[2];
         let bubble = weights[0] * b[2];
@@ -207,8 +193,8 @@ impl<S: Constant> Patch<S> {
 #[inline(always)]
 fn loosened<V: Real, T: Jet<V>>(loose: [bool; 2], along: T, b_i: T, b_j: T) -> T {
     let lanes = along.value();
-    let (half, tiny) = (lanes.constant(0.5), lanes.constant(1e-6));
-    let one = T::lift(lanes.constant(1.0));
+    let (half, tiny) = (lanes.half(), lanes.constant(1e-6));
+    let one = T::lift(lanes.one());
     let first = if loose[0] {
         held(along, b_j, half, tiny)
     } else {
@@ -227,7 +213,7 @@ fn loosened<V: Real, T: Jet<V>>(loose: [bool; 2], along: T, b_i: T, b_j: T) -> T
 /// that the surface goes on as it was.
 #[inline(always)]
 fn held<V: Real, T: Jet<V>>(share: T, b: T, part: V, tiny: V) -> T {
-    let zero = tiny.constant(0.0);
+    let zero = tiny.zero();
     let outside = b.value().less(zero);
     let least = at_least(T::select(outside, -b, b).times(part), tiny);
     let below = outside & share.value().less(zero);

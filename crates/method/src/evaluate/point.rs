@@ -29,7 +29,7 @@ impl<S: Constant> Patch<S> {
     /// median, where the guide field has a kink, they are those of one side.
     #[inline(always)]
     pub(crate) fn surface_point<V: Real<Scalar = S>>(&self, u: V, v: V) -> SurfacePoint<V> {
-        let foot = self.foot_at::<V, V>([u.constant(1.0) - u - v, u, v]);
+        let foot = self.foot_at::<V, V>([u.one() - u - v, u, v]);
         let h = self.height(&foot);
         let [to_second, to_third] = Vector::splat_both(u, self.spokes);
         let local = to_second * u + to_third * v + self.guide(&foot) * h;
@@ -60,7 +60,7 @@ impl<S: Constant> Patch<S> {
     /// [`Patch::plane_normal`] is 1.
     #[inline(always)]
     pub(crate) fn guide_vector<V: Real<Scalar = S>>(&self, u: V, v: V) -> Vector<V> {
-        self.guide(&self.foot_at::<V, V>([u.constant(1.0) - u - v, u, v]))
+        self.guide(&self.foot_at::<V, V>([u.one() - u - v, u, v]))
     }
 
     #[inline(always)]
@@ -88,8 +88,8 @@ impl<S: Constant> Patch<S> {
         let b2 = Dual::<V, 2>::variable(u, 0);
         let b3 = Dual::<V, 2>::variable(v, 1);
         let one = Dual {
-            value: u.constant(1.0),
-            parts: [u.constant(0.0); 2],
+            value: u.one(),
+            parts: [u.zero(); 2],
         };
         let foot = self.foot_at::<V, _>([one - b2 - b3, b2, b3]);
         let h = self.height(&foot);
@@ -115,9 +115,9 @@ impl<S: Constant> Patch<S> {
 #[inline(always)]
 fn off_vertex<V: Real>(u: V, v: V) -> [V; 2] {
     let trifle = u.constant(OFF_VERTEX);
-    let (third, one) = (u.constant(1.0 / 3.0), u.constant(1.0));
+    let (third, one) = (u.constant(1.0 / 3.0), u.one());
     let greatest = u.greater(v).greater(one - u - v);
     let near = (one - trifle).less(greatest);
-    let share = V::select(near, trifle, u.constant(0.0));
+    let share = V::select(near, trifle, u.zero());
     [u + (third - u) * share, v + (third - v) * share]
 }

@@ -51,7 +51,7 @@ pub(crate) fn first_root<V: Real>(
     samples: Option<&Samples<V>>,
 ) -> Root<V> {
     debug_assert!((2..=MAX_PARTS).contains(&parts));
-    let zero = length.constant(0.0);
+    let zero = length.zero();
     let part = length * length.constant(1.0 / parts as f64);
     let mut bracket = Bracket {
         from: zero,
@@ -105,7 +105,7 @@ impl<V: Real> Root<V> {
         let here = here & !self.found;
         self.at = V::select(here, at, self.at);
         self.value = V::select(here, value, self.value);
-        self.width = V::select(here, at.constant(0.0), self.width);
+        self.width = V::select(here, at.zero(), self.width);
         self.found = self.found | here;
     }
 }
@@ -121,7 +121,7 @@ fn probe_minimum<V: Real>(
     probes: &mut V,
     bracket: &mut Bracket<V>,
 ) {
-    let (one, most) = (probes.constant(1.0), probes.constant(MAX_PROBES));
+    let (one, most) = (probes.one(), probes.constant(MAX_PROBES));
     loop {
         let (place, promising) = dip.lowest();
         look = look & promising & probes.less(most);
@@ -149,7 +149,7 @@ impl<V: Real> Dip<V> {
     #[inline(always)]
     fn lowest(&self) -> (V, V::Mask) {
         let lanes = self.middle.0;
-        let (zero, one) = (lanes.constant(0.0), lanes.constant(1.0));
+        let (zero, one) = (lanes.zero(), lanes.one());
         let (to_left, to_right) = (self.left.0 - self.middle.0, self.right.0 - self.middle.0);
         let (rise_left, rise_right) = (self.left.1 - self.middle.1, self.right.1 - self.middle.1);
         // middle + slope x + bend x^2 in the distance x from the middle, times a common divisor.
@@ -158,8 +158,7 @@ impl<V: Real> Dip<V> {
         let slope = rise_right * to_left * to_left - rise_left * to_right * to_right;
         let curved = zero.less(bend.abs()) & zero.less(divisor.abs());
         let x = V::select(curved, -slope, zero) / V::select(curved, bend + bend, one);
-        let value =
-            self.middle.1 + x * lanes.constant(0.5) * slope / V::select(curved, divisor, one);
+        let value = self.middle.1 + x * lanes.half() * slope / V::select(curved, divisor, one);
         let inside = to_left.less(x) & x.less(to_right);
         let least = self
             .left
@@ -211,11 +210,7 @@ fn chandrupatla<V: Real>(
     found: V::Mask,
 ) -> Root<V> {
     let lanes = tolerance;
-    let (zero, half, one) = (
-        lanes.constant(0.0),
-        lanes.constant(0.5),
-        lanes.constant(1.0),
-    );
+    let (zero, half, one) = (lanes.zero(), lanes.half(), lanes.one());
     let (mut a, mut b) = (bracket.from, bracket.to);
     let (mut fa, mut fb) = (bracket.at_from, bracket.at_to);
     let mut active = found;
@@ -254,7 +249,7 @@ fn chandrupatla<V: Real>(
 /// Where between `a` and `b` to look next, as a share from `a`; `c` is the point left behind.
 #[inline(always)]
 fn next_share<V: Real>(a: V, b: V, c: V, fa: V, fb: V, fc: V) -> V {
-    let (zero, half, one) = (a.constant(0.0), a.constant(0.5), a.constant(1.0));
+    let (zero, half, one) = (a.zero(), a.half(), a.one());
     let divide = inlined(
         #[inline(always)]
         |value: V, by: V| {

@@ -64,7 +64,7 @@ impl<S: Scalar> ClipVolume<S> {
         let rise = Vector::splat(distance, self.planes[UP].normal).dot(along);
         let least = along.length() * distance.splat(area2 * S::from_f64(LEAST_SINE));
         let later = distance.splat(area2 * epsilons) / rise.abs().greater(least);
-        Some([distance + distance.constant(1.0), later])
+        Some([distance + distance.one(), later])
     }
 }
 
@@ -102,7 +102,7 @@ impl<V: Real> Cut<V> {
     /// Of a ray that starts with this [value](HalfSpace::value), which changes at this rate.
     #[inline(always)]
     pub fn new(value: V, rate: V) -> Self {
-        let zero = value.constant(0.0);
+        let zero = value.zero();
         let endless = value.constant(f64::INFINITY);
         let crossing = -(value / rate);
         let (enters, leaves) = (zero.less(rate), rate.less(zero));
@@ -163,14 +163,14 @@ impl<S: Scalar> Sphere<S> {
         let guard = distance * ulps + lanes.splat(S::EPSILON * S::from_f64(OVERLAP_EPSILONS));
         let radius = lanes.splat(self.radius) + guard;
         // Squares of very short and of very long directions are out of range.
-        let scale = lanes.constant(1.0) / along.max_abs();
+        let scale = lanes.one() / along.max_abs();
         let direction = along * scale;
         let length2 = direction.dot(direction);
         let to_start = from - Vector::splat(lanes, self.centre);
         let nearest = -(to_start.dot(direction) / length2);
         let beside = to_start + direction * nearest;
         let square = radius * radius - beside.dot(beside);
-        let zero = lanes.constant(0.0);
+        let zero = lanes.zero();
         let half = (square.greater(zero) / length2).sqrt();
         let (enter, leave) = ((nearest - half) * scale, (nearest + half) * scale);
         (enter, leave, zero.at_most(square))

@@ -61,7 +61,7 @@ impl<V: Real> Hit<V> {
     /// No hit, in as many lanes as `like` has.
     #[inline(always)]
     pub(crate) fn none(lanes: V) -> Self {
-        let zero = lanes.constant(0.0);
+        let zero = lanes.zero();
         Self {
             found: lanes.mask(false),
             t: zero,

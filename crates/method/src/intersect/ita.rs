@@ -24,7 +24,7 @@ pub(crate) fn first_root<V: Real>(
 ) -> Root<V> {
     let parts = 1u32 << step;
     let share = length.constant(1.0 / f64::from(parts));
-    let (mut start, mut width) = (length.constant(0.0), length);
+    let (mut start, mut width) = (length.zero(), length);
     let (mut left, mut right) = (f(start, alive), f(start + width, alive));
     let mut found = length.mask(false);
     for _ in 0..bits.div_ceil(step) {
@@ -43,7 +43,7 @@ pub(crate) fn first_root<V: Real>(
         (start, left, right, found) = scan.chosen();
         width = part;
     }
-    let (zero, one) = (length.constant(0.0), length.constant(1.0));
+    let (zero, one) = (length.zero(), length.one());
     let drop = left - right;
     let moves = zero.less(drop.abs());
     let share = V::select(moves, left, zero) / V::select(moves, drop, one);

@@ -9,7 +9,7 @@
 
 use super::segment::Segment;
 use crate::bounds::HEIGHT;
-use crate::numbers::{Constant, Mask, Real, each, inlined};
+use crate::numbers::{Constant, Mask, Real, inlined};
 use crate::patch::{Patch, next};
 
 /// The part of a ray's way on which it may cross the surface, once, in the segment's parameter.
@@ -80,17 +80,14 @@ impl<S: Constant> Patch<S> {
     fn over_paraboloid<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> [V; 3] {
         let (b, rate) = (segment.b, segment.b_rate);
         let (mut c0, mut c1) = (segment.z, segment.z_rate);
-        let mut c2 = c0.constant(0.0);
-        each(
-            #[inline(always)]
-            |k| {
-                let (i, j) = (k, next(k));
-                let bulge = c0.splat(self.edges[k].bulge);
-                c0 = c0.less_product(bulge, b[i] * b[j]);
-                c1 = c1.less_product(bulge, b[i].mul_add(rate[j], rate[i] * b[j]));
-                c2 = c2.less_product(bulge, rate[i] * rate[j]);
-            },
-        );
+        let mut c2 = c0.zero();
+        each!(|k| {
+            let (i, j) = (k, next(k));
+            let bulge = c0.splat(self.edges[k].bulge);
+            c0 = c0.less_product(bulge, b[i] * b[j]);
+            c1 = c1.less_product(bulge, b[i].mul_add(rate[j], rate[i] * b[j]));
+            c2 = c2.less_product(bulge, rate[i] * rate[j]);
+        });
         [c0, c1, c2]
     }
 
@@ -99,7 +96,7 @@ impl<S: Constant> Patch<S> {
     fn course<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Course<V> {
         let [c0, c1, c2] = self.over_paraboloid(segment);
         let length = segment.length;
-        let (zero, one) = (length.constant(0.0), length.constant(1.0));
+        let (zero, one) = (length.zero(), length.one());
         let uneven = length.splat(self.unevenness);
         let room = uneven.mul_add(length.constant(HEIGHT), segment.exit_tolerance);
         let twice = c2 + c2;
@@ -177,7 +174,7 @@ impl<V: Real> Course<V> {
     #[inline(always)]
     fn turning(&self, end: V) -> Turning<V> {
         let (length, doubt) = (self.length, self.doubt);
-        let zero = length.constant(0.0);
+        let zero = length.zero();
         let [start_tolerance, room, end_tolerance] = self.tolerances;
         let twice = self.c2 + self.c2;
         let half = doubt * self.per_twice.abs();
@@ -191,7 +188,7 @@ impl<V: Real> Course<V> {
         let furthest = self.nearest.greater(length - self.nearest);
         let back = (pull * self.per_twice.abs()).lesser(furthest);
         let first = back * pull.less_product(self.c2.abs(), back);
-        let second = half * doubt.mul_add(length.constant(0.5), self.drift);
+        let second = half * doubt.mul_add(length.half(), self.drift);
         let sure = (room + V::select(off, first, second)).less(there.abs());
         let crossed = inlined(
             #[inline(always)]
@@ -211,7 +208,7 @@ impl<V: Real> Course<V> {
     fn stretch(&self) -> Stretch<V> {
         let Self { c0, c1, c2, .. } = *self;
         let (length, doubt) = (self.length, self.doubt);
-        let (zero, one) = (length.constant(0.0), length.constant(1.0));
+        let (zero, one) = (length.zero(), length.one());
         let [start_tolerance, _, end_tolerance] = self.tolerances;
         let twice = c2 + c2;
         let end_slope = twice.mul_add(length, c1);

@@ -19,7 +19,7 @@ pub(crate) struct Root<V: Real> {
 /// Whether the two values lie on different sides of zero, which counts as positive.
 #[inline(always)]
 pub(crate) fn differ<V: Real>(a: V, b: V) -> V::Mask {
-    let zero = a.constant(0.0);
+    let zero = a.zero();
     let (a, b) = (a.less(zero), b.less(zero));
     (a & !b) | (!a & b)
 }

@@ -9,7 +9,7 @@ use super::ray::{Ray, beyond, is_thin, localized};
 use super::root::{MAX_PARTS, Root, Samples, Steps};
 use super::segment::Segment;
 use super::{bracketing, ita};
-use crate::numbers::{Constant, Mask, Real, Scalar, Vector, each, inlined};
+use crate::numbers::{Constant, Mask, Real, Scalar, Vector, inlined};
 use crate::patch::{Patch, Rule, next};
 
 /// A hit's barycentric coordinates may lie this far outside: neighbours overlap a little.
@@ -188,7 +188,7 @@ impl<S: Constant> Patch<S> {
             }
             Solver::Bracketing { parts } => {
                 let parts = (parts as usize).clamp(2, MAX_PARTS);
-                let (start, share) = (length.constant(0.0), 1.0 / parts as f64);
+                let (start, share) = (length.zero(), 1.0 / parts as f64);
                 let part = length * length.constant(share);
                 let samples = sampler(segment, Steps { start, part, parts });
                 if samples.is_some() {
@@ -318,7 +318,7 @@ impl<S: Constant> Patch<S> {
     #[inline(always)]
     fn moved_inside<V: Real<Scalar = S>>(&self, b: [V; 3], mask: V::Mask) -> ([V; 2], V) {
         let lanes = b[0];
-        let (zero, one) = (lanes.constant(0.0), lanes.constant(1.0));
+        let (zero, one) = (lanes.zero(), lanes.one());
         // The first is what the other two leave: on the way of a ray from very far away all three are
         // rounded apart, and it is those two that are told.
         let b = [one - b[1] - b[2], b[1], b[2]];
@@ -330,24 +330,21 @@ impl<S: Constant> Patch<S> {
             return ([b[1], b[2]], zero);
         }
         let (mut u, mut v, mut furthest) = (b[1], b[2], zero);
-        each(
-            #[inline(always)]
-            |k| {
-                let (edge, j, m) = (&self.edges[k], next(k), next(next(k)));
-                let distance = b[m] * lanes.splat(edge.height);
-                let further = outside & distance.less(furthest);
-                let along = b[m]
-                    .mul_add(lanes.splat(edge.foot), b[j])
-                    .greater(zero)
-                    .lesser(one);
-                let mut on_edge = [zero; 3];
-                on_edge[k] = one - along;
-                on_edge[j] = along;
-                u = V::select(further, on_edge[1], u);
-                v = V::select(further, on_edge[2], v);
-                furthest = V::select(further, distance, furthest);
-            },
-        );
+        for k in 0..3 {
+            let (edge, j, m) = (&self.edges[k], next(k), next(next(k)));
+            let distance = b[m] * lanes.splat(edge.height);
+            let further = outside & distance.less(furthest);
+            let along = b[m]
+                .mul_add(lanes.splat(edge.foot), b[j])
+                .greater(zero)
+                .lesser(one);
+            let mut on_edge = [zero; 3];
+            on_edge[k] = one - along;
+            on_edge[j] = along;
+            u = V::select(further, on_edge[1], u);
+            v = V::select(further, on_edge[2], v);
+            furthest = V::select(further, distance, furthest);
+        }
         let [to_second, to_third] = Vector::splat_both(lanes, self.spokes);
         let moved = (to_second * (b[1] - u) + to_third * (b[2] - v)).length();
         ([u, v], moved)

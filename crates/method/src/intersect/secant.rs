@@ -42,11 +42,7 @@ impl<V: Real> Stretch<V> {
         f: &impl Fn(V, V::Mask) -> V,
     ) -> Crossing<V> {
         let lanes = segment.length;
-        let (zero, half, one) = (
-            lanes.constant(0.0),
-            lanes.constant(0.5),
-            lanes.constant(1.0),
-        );
+        let (zero, half, one) = (lanes.zero(), lanes.half(), lanes.one());
         let least = self.slope * lanes.constant(SLOPES[0]);
         let most = self.greatest_slope * lanes.constant(SLOPES[1]);
         let (mut lo, mut hi) = (self.from, self.to);

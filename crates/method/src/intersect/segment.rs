@@ -4,7 +4,7 @@ use super::clip::RayInterval;
 use super::ray::Ray;
 use crate::bounds::RAY_EPSILONS;
 use crate::numbers::{
-    Constant, Cursor, Fields, Mask, Real, Scalar, Vector, from_array, inlined, three, to_array,
+    Constant, Cursor, Fields, Mask, Real, Scalar, Vector, from_array, inlined, to_array,
 };
 use crate::patch::Patch;
 
@@ -135,7 +135,7 @@ impl<V: Real> Segment<V> {
         V: Real<Scalar = S>,
     {
         let lanes = start;
-        let (zero, one) = (lanes.constant(0.0), lanes.constant(1.0));
+        let (zero, one) = (lanes.zero(), lanes.one());
         let normal = Vector::splat(lanes, patch.normal);
         let corner = from - Vector::splat(lanes, patch.base.corner);
         let [across, base] = Vector::splat_both(lanes, [patch.base.across, patch.base.along]);
@@ -245,7 +245,7 @@ impl<V: Real> Segment<V> {
         self.start = self.start + at;
         self.entry_tolerance = -self.exit_tolerance;
         self.length = self.length - at;
-        self.alive = self.alive & at.constant(0.0).less(self.length);
+        self.alive = self.alive & at.zero().less(self.length);
     }
 
     /// Height over the plane at the segment's parameter.
@@ -257,10 +257,7 @@ impl<V: Real> Segment<V> {
     /// Barycentric coordinates of the vertical projection at the segment's parameter.
     #[inline(always)]
     pub(crate) fn projection(&self, at: V) -> [V; 3] {
-        three(
-            #[inline(always)]
-            |i| self.b_rate[i].mul_add(at, self.b[i]),
-        )
+        three!(|i| self.b_rate[i].mul_add(at, self.b[i]))
     }
 
     /// Where the ray crosses the triangle's plane, in the segment's parameter, and in which lanes it
@@ -268,7 +265,7 @@ impl<V: Real> Segment<V> {
     #[inline(always)]
     pub(crate) fn plane_crossing(&self) -> (V, V::Mask) {
         let at = -(self.z / self.z_rate);
-        let zero = at.constant(0.0);
+        let zero = at.zero();
         let (early, late) = (at.less(zero), self.length.less(at));
         let near = (early & self.z.abs().at_most(self.entry_tolerance))
             | (late & self.z(self.length).abs().at_most(self.exit_tolerance));

@@ -5,7 +5,7 @@ use fearless_simd::{f32x4, prelude::*, u8x16};
 
 use super::clip::{Cut, RayInterval};
 use super::ray::{Ray, localized};
-use crate::numbers::{Constant, Mask, Quad, Real, Vector, inlined, three, vector};
+use crate::numbers::{Constant, Mask, Quad, Real, Vector, inlined, vector};
 use crate::patch::{BoundsKind, Choice, HalfSpace, TriangleFrame, TriangleVertices};
 use crate::store::PackedTriangle;
 
@@ -70,13 +70,13 @@ impl<S: Simd> EdgesInLanes<S> {
             guides,
             Vector::splat(lanes, up),
             winding,
-            lanes.constant(2.0) * lengths2.sqrt(),
+            lanes.two() * lengths2.sqrt(),
         );
         // Those of the first and the third edge go through the origin.
         let way = Vector::splat(lanes, frame.edge_vectors[0]);
         let lane = f32x4::from_slice(simd, &[0.0, 1.0, 2.0, 3.0]);
         let lane = Quad(lane);
-        let second = lanes.constant(0.5).less(lane) & lane.less(lanes.constant(1.5));
+        let second = lanes.half().less(lane) & lane.less(lanes.constant(1.5));
         let edges = lane.less(lanes.constant(2.5));
         let offset = Quad::select(second, planes.through(way).offset, planes.offset);
         let level = HalfSpace::level(
@@ -172,8 +172,5 @@ fn numbers<S: Simd>(of: Quad<S>) -> [f32; 4] {
 #[inline(always)]
 fn vectors<S: Simd>(of: Vector<Quad<S>>) -> [Vector<f32>; 3] {
     let (x, y, z) = (numbers(of.x), numbers(of.y), numbers(of.z));
-    three(
-        #[inline(always)]
-        |k| vector(x[k], y[k], z[k]),
-    )
+    three!(|k| vector(x[k], y[k], z[k]))
 }

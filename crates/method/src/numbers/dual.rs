@@ -4,7 +4,7 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::jet::{Jet, Quadratic, TINY};
-use super::scalar::{Arithmetic, Real, three};
+use super::scalar::{Arithmetic, Real};
 
 /// A value and its `N` partial derivatives (forward mode).
 #[derive(Clone, Copy, Debug)]
@@ -19,8 +19,8 @@ impl<V: Real, const N: usize> Dual<V, N> {
     /// The `index`-th independent variable.
     #[inline(always)]
     pub fn variable(value: V, index: usize) -> Self {
-        let mut parts = [value.constant(0.0); N];
-        parts[index] = value.constant(1.0);
+        let mut parts = [value.zero(); N];
+        parts[index] = value.one();
         Self { value, parts }
     }
 
@@ -74,7 +74,7 @@ impl<V: Real, const N: usize> Div for Dual<V, N> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let inverse = other.value.constant(1.0) / other.value;
+        let inverse = other.value.one() / other.value;
         let value = self.value * inverse;
         Self::with(
             value,
@@ -115,7 +115,7 @@ impl<V: Real, const N: usize> Jet<V> for Dual<V, N> {
     fn lift(value: V) -> Self {
         Self {
             value,
-            parts: [value.constant(0.0); N],
+            parts: [value.zero(); N],
         }
     }
     #[inline(always)]
@@ -155,16 +155,13 @@ impl<V: Real, const N: usize> Jet<V> for Dual<V, N> {
     }
     #[inline(always)]
     fn near_roots(weights: [Self; 3], of: [Quadratic<Self>; 3]) -> Self {
-        let [first, second, third] = three(
-            #[inline(always)]
-            |i| near_root(of[i]),
-        );
+        let [first, second, third] = three!(|i| near_root(of[i]));
         let rest = weights[1].mul_add(second, weights[2] * third);
         weights[0].mul_add(first, rest)
     }
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        let (zero, one) = (self.value.constant(0.0), self.value.constant(1.0));
+        let (zero, one) = (self.value.zero(), self.value.one());
         let square = self.value.mul_add(self.value, x.value * x.value);
         let inverse = V::select(zero.less(square), one / square, zero);
         Self::with(
@@ -179,7 +176,7 @@ impl<V: Real, const N: usize> Jet<V> for Dual<V, N> {
 #[inline(always)]
 fn near_root<V: Real, const N: usize>(of: Quadratic<Dual<V, N>>) -> Dual<V, N> {
     let Quadratic { a, half_b, c } = of;
-    let (zero, one) = (a.value.constant(0.0), a.value.constant(1.0));
+    let (zero, one) = (a.value.zero(), a.value.one());
     let values = Quadratic {
         a: a.value,
         half_b: half_b.value,

@@ -67,7 +67,7 @@ impl<V: Real, const N: usize> Cursor<V> for Write<'_, V, N> {
     #[inline(always)]
     fn truth(&mut self, truth: &mut V::Mask) {
         let any = self.numbers[self.next];
-        self.number(&mut V::select(*truth, any.constant(1.0), any.constant(0.0)));
+        self.number(&mut V::select(*truth, any.one(), any.zero()));
     }
 }
 
@@ -86,7 +86,7 @@ impl<V: Real, const N: usize> Cursor<V> for Read<'_, V, N> {
     #[inline(always)]
     fn truth(&mut self, truth: &mut V::Mask) {
         let number = self.numbers[self.next];
-        *truth = number.constant(0.0).less(number);
+        *truth = number.zero().less(number);
         self.next += 1;
     }
 }

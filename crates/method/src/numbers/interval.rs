@@ -20,7 +20,7 @@ impl<V: Real> Interval<V> {
     /// Zero alone.
     #[inline(always)]
     pub fn zero(lanes: V) -> Self {
-        Self::of(lanes.constant(0.0))
+        Self::of(lanes.zero())
     }
     #[inline(always)]
     pub fn select(mask: V::Mask, yes: Self, no: Self) -> Self {

@@ -1,6 +1,6 @@
 //! Numbers that may carry derivatives: the arithmetic that heights are written in.
 
-use super::scalar::{Arithmetic, Real, three};
+use super::scalar::{Arithmetic, Real};
 
 /// A [`Real`] that may carry partial derivatives.
 ///
@@ -52,13 +52,10 @@ impl<V: Real> Jet<V> for V {
     }
     #[inline(always)]
     fn near_roots(weights: [Self; 3], of: [Quadratic<Self>; 3]) -> Self {
-        let parts = three(
-            #[inline(always)]
-            |i| {
-                let [dividend, divisor] = of[i].fraction();
-                [weights[i] * dividend, divisor]
-            },
-        );
+        let parts = three!(|i| {
+            let [dividend, divisor] = of[i].fraction();
+            [weights[i] * dividend, divisor]
+        });
         // One division in place of three.
         let [[p, a], [q, b], [r, c]] = parts;
         let sum = p.mul_add(b, q * a).mul_add(c, r * (a * b));
@@ -89,7 +86,7 @@ impl<V: Real> Quadratic<V> {
     #[inline(always)]
     pub(crate) fn root(&self) -> V {
         let square = self.half_b.mul_sub(self.half_b, self.a * self.c);
-        square.greater(square.constant(0.0)).sqrt()
+        square.greater(square.zero()).sqrt()
     }
 
     /// The root that vanishes with `c`.
@@ -102,7 +99,7 @@ impl<V: Real> Quadratic<V> {
     /// What it is the quotient of.
     #[inline(always)]
     fn fraction(&self) -> [V; 2] {
-        let (zero, one) = (self.c.constant(0.0), self.c.constant(1.0));
+        let (zero, one) = (self.c.zero(), self.c.one());
         let divisor = self.half_b + self.root();
         let usable = zero.constant(TINY).less(divisor);
         [
@@ -134,7 +131,7 @@ pub(crate) fn lesser<V: Real, T: Jet<V>>(a: T, b: T) -> T {
 #[inline(always)]
 pub(crate) fn ratio_or_zero<V: Real, T: Jet<V>>(value: T, divisor: T, tiny: V) -> T {
     let usable = tiny.less(divisor.value());
-    let zero = T::lift(tiny.constant(0.0));
-    let one = T::lift(tiny.constant(1.0));
+    let zero = T::lift(tiny.zero());
+    let one = T::lift(tiny.one());
     T::select(usable, value, zero) / T::select(usable, divisor, one)
 }

@@ -1,12 +1,15 @@
 //! Numbers that the kernel is written over.
 
+#[macro_use]
+mod scalar;
+
 mod dual;
 mod fields;
 mod interval;
 mod jet;
 mod lanes;
 mod pair_lanes;
-mod scalar;
+
 mod set_bits;
 mod vector;
 
@@ -19,7 +22,6 @@ pub use lanes::{
     LaneMask, Lanes, MAX_LANES, ManyPatches, PATCHES, PatchMask, Patches, Quad, load_lanes,
 };
 pub(crate) use pair_lanes::PairLanes;
-pub(crate) use scalar::each;
-pub use scalar::{Arithmetic, Constant, Mask, Real, Scalar, inlined, three};
+pub use scalar::{Constant, Mask, Real, Scalar, inlined, three};
 pub use set_bits::{SetBits, set_bits};
 pub use vector::{Vector, vector};

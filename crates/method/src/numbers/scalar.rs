@@ -18,19 +18,51 @@ pub fn three<T>(of: impl Fn(usize) -> T) -> [T; 3] {
     [of(0), of(1), of(2)]
 }
 
-/// Calls a function with 0, 1 and 2, like [`three`].
-#[inline(always)]
-pub(crate) fn each(mut call: impl FnMut(usize)) {
-    call(0);
-    call(1);
-    call(2);
-}
-
 /// The closure itself: the language takes the mark that a closure is to be inlined, which those on
 /// lanes need, only where it is an argument.
 #[inline(always)]
 pub fn inlined<F>(closure: F) -> F {
     closure
+}
+
+/// An array of three values, of an expression with 0, 1 and 2 in the place of a name.
+///
+/// No closure, since code for SIMD lanes is only good where all of it is inlined.
+macro_rules! three {
+    (|$k:ident| $value:expr) => {
+        [
+            {
+                let $k = 0;
+                $value
+            },
+            {
+                let $k = 1;
+                $value
+            },
+            {
+                let $k = 2;
+                $value
+            },
+        ]
+    };
+}
+
+/// Does the same with 0, 1 and 2 in the place of a name.
+macro_rules! each {
+    (|$k:ident| $done:expr) => {{
+        {
+            let $k = 0;
+            $done;
+        }
+        {
+            let $k = 1;
+            $done;
+        }
+        {
+            let $k = 2;
+            $done;
+        }
+    }};
 }
 
 /// The answer of a comparison, one truth value a lane.
@@ -112,6 +144,26 @@ pub trait Real: Arithmetic {
     fn splat_mask(self, value: <Self::Scalar as Real>::Mask) -> Self::Mask;
     /// The same constant in every lane, rounded to the lanes' precision.
     fn constant(self, value: f64) -> Self;
+    /// Zero in every lane.
+    #[inline(always)]
+    fn zero(self) -> Self {
+        self.constant(0.0)
+    }
+    /// One in every lane.
+    #[inline(always)]
+    fn one(self) -> Self {
+        self.constant(1.0)
+    }
+    /// Two in every lane.
+    #[inline(always)]
+    fn two(self) -> Self {
+        self.constant(2.0)
+    }
+    /// A half in every lane.
+    #[inline(always)]
+    fn half(self) -> Self {
+        self.constant(0.5)
+    }
     /// This truth value in every lane, as many as `self` has.
     fn mask(self, value: bool) -> Self::Mask;
     /// `self < other`, lane by lane; false where either is NaN.
@@ -278,7 +330,7 @@ const ARC_TANGENT: [f64; 9] = [
 #[inline(always)]
 pub(crate) fn atan2<V: Real>(y: V, x: V) -> V {
     use std::f64::consts::{FRAC_PI_2, PI};
-    let (zero, one) = (x.constant(0.0), x.constant(1.0));
+    let (zero, one) = (x.zero(), x.one());
     let (ahead, aside) = (x.abs(), y.abs());
     let (near, far) = (ahead.lesser(aside), ahead.greater(aside));
     let ratio = near / V::select(zero.less(far), far, one);

@@ -78,7 +78,7 @@ impl<R: Real> Vector<R> {
     #[inline(always)]
     pub fn normalize(self) -> Self {
         let length = self.length();
-        self * (length.constant(1.0) / length)
+        self * (length.one() / length)
     }
 }
 

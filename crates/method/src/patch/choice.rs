@@ -1,7 +1,7 @@
 //! Which of a triangle's three edges, one answer a lane.
 
 use super::cyclic::next;
-use crate::numbers::{Constant, Cursor, Fields, Jet, Real, Vector, three, vector};
+use crate::numbers::{Constant, Cursor, Fields, Jet, Real, Vector, vector};
 
 /// An edge of the triangle, one a lane.
 #[derive(Clone, Copy, Debug)]
@@ -67,14 +67,11 @@ impl<V: Real> Choice<V> {
     /// Values of the chosen edge's first and second vertex and of the opposite one, by vertex.
     #[inline(always)]
     pub fn placed(self, [first, second, opposite]: [V; 3]) -> [V; 3] {
-        three(
-            #[inline(always)]
-            |v| {
-                // Vertex v is the first of edge v, the second of edge v - 1, opposite to edge v + 1.
-                let before = self.is(next(next(v)));
-                V::select(self.is(v), first, V::select(before, second, opposite))
-            },
-        )
+        three!(|v| {
+            // Vertex v is the first of edge v, the second of edge v - 1, opposite to edge v + 1.
+            let before = self.is(next(next(v)));
+            V::select(self.is(v), first, V::select(before, second, opposite))
+        })
     }
 
     /// The same choice in every lane of a value like this one.
@@ -90,19 +87,13 @@ impl<V: Real> Choice<V> {
     /// The chosen one of three constants.
     #[inline(always)]
     pub fn constant(self, of: impl Fn(usize) -> V::Scalar) -> V {
-        self.pick(three(
-            #[inline(always)]
-            |k| self.lanes.splat(of(k)),
-        ))
+        self.pick(three!(|k| self.lanes.splat(of(k))))
     }
 
     /// The chosen one of three constants' truths.
     #[inline(always)]
     pub fn truth(self, of: impl Fn(usize) -> <V::Scalar as Real>::Mask) -> V::Mask {
-        let of = three(
-            #[inline(always)]
-            |k| self.lanes.splat_mask(of(k)),
-        );
+        let of = three!(|k| self.lanes.splat_mask(of(k)));
         (self.first & of[0]) | (self.second & of[1]) | (self.is(2) & of[2])
     }
 

@@ -32,7 +32,7 @@ impl<S: Constant> ClipVolume<S> {
     /// The hull of no surface.
     #[inline(always)]
     pub fn empty(origin: Vector<S>) -> Self {
-        let zero = origin.x.constant(0.0);
+        let zero = origin.x.zero();
         let plane = HalfSpace {
             normal: vector(zero, zero, zero),
             offset: zero,
@@ -40,7 +40,7 @@ impl<S: Constant> ClipVolume<S> {
         };
         Self {
             origin,
-            unit: origin.x.constant(1.0),
+            unit: origin.x.one(),
             planes: [plane; 5],
             sphere: None,
             thin: None,

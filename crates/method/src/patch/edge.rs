@@ -5,7 +5,7 @@ use super::cyclic::next;
 use super::flags::{PatchFlags, Surface};
 use super::plane::{TrianglePlane, ratios};
 use super::triangle_frame::TriangleFrame;
-use crate::numbers::{Constant, Cursor, Fields, Real, Vector, inlined, three};
+use crate::numbers::{Constant, Cursor, Fields, Real, Vector};
 
 /// The centroid's foot on an edge must lie this far inside it, as a share of the edge's length, for
 /// the paper's planes to bound a sub-triangle; else the edge takes the ramp of obtuse triangles.
@@ -77,81 +77,53 @@ pub(crate) fn edges<S: Constant>(
     normals: &[Vector<S>; 3],
     flags: PatchFlags,
 ) -> [Edge<S>; 3] {
-    let constant = inlined(
-        #[inline(always)]
-        |value: f64| frame.area2.constant(value),
-    );
-    let (zero, one, third) = (constant(0.0), constant(1.0), constant(1.0 / 3.0));
+    let lanes = frame.area2;
+    let (zero, one, third) = (lanes.zero(), lanes.one(), lanes.constant(1.0 / 3.0));
     let edge_vectors = &frame.edge_vectors;
-    let sums = three(
-        #[inline(always)]
-        |k| normals[k] + normals[next(k)],
-    );
+    let sums = three!(|k| normals[k] + normals[next(k)]);
     let leans = ratios(
-        three(
-            #[inline(always)]
-            |k| sums[k].dot(plane.inward[k]),
-        ),
-        three(
-            #[inline(always)]
-            |k| sums[k].dot(plane.normal),
-        ),
+        three!(|k| sums[k].dot(plane.inward[k])),
+        three!(|k| sums[k].dot(plane.normal)),
     );
     // Where the opposite vertex stands over the edge: from the edge's first vertex.
-    let feet = three(
-        #[inline(always)]
-        |k| -edge_vectors[next(next(k))].dot(edge_vectors[k]) * plane.per_length2[k],
-    );
-    let centroids = three(
-        #[inline(always)]
-        |k| (one + feet[k]) * third,
-    );
-    let shares = ratios(
-        [third; 3],
-        three(
-            #[inline(always)]
-            |k| centroids[k] * (one - centroids[k]),
-        ),
-    );
-    let margin = constant(MIN_CENTROID_FOOT);
+    let feet = three!(|k| -edge_vectors[next(next(k))].dot(edge_vectors[k]) * plane.per_length2[k]);
+    let centroids = three!(|k| (one + feet[k]) * third);
+    let shares = ratios([third; 3], three!(|k| centroids[k] * (one - centroids[k])));
+    let margin = lanes.constant(MIN_CENTROID_FOOT);
     let smooth = flags.surface() == Surface::Smooth;
-    let edge = inlined(
-        #[inline(always)]
-        |k: usize| {
-            let edge_vector = edge_vectors[k];
-            let (straight, per_height) = (flags.is_straight(k), plane.heights[3 + k]);
-            let centroid = centroids[k];
-            let obtuse = !(margin.less(centroid) & centroid.less(one - margin));
-            let (first, second) = (
-                normals[k].dot(edge_vector),
-                normals[next(k)].dot(edge_vector),
-            );
-            let kept = constant(if straight { 0.0 } else { 2.0 });
-            let most = constant(0.9);
-            let damping = (sums[k].dot(edge_vector).abs() * plane.per_length[k]).lesser(most);
-            let damped = constant(if smooth && !straight { 4.0 } else { 0.0 });
-            Edge {
-                length2: frame.lengths2[k],
-                height: plane.heights[k],
-                per_height,
-                foot: feet[k],
-                lean: leans[k],
-                tilt: leans[k] * per_height,
-                rise: [
-                    S::select(obtuse, one, (one - centroid) * shares[k]),
-                    S::select(obtuse, one, centroid * shares[k]),
-                ],
-                obtuse,
-                bend: [first * kept, -(second * kept)],
-                bulge: zero,
-                damping: damping * damped,
-                correction: [zero; 3],
-                loose: [
-                    !straight && flags.is_straight(next(next(k))),
-                    !straight && flags.is_straight(next(k)),
-                ],
-            }
-        },
-    );
-    [edge(0), edge(1), edge(2)]
+    three!(|k| {
+        let edge_vector = edge_vectors[k];
+        let (straight, per_height) = (flags.is_straight(k), plane.heights[3 + k]);
+        let centroid = centroids[k];
+        let obtuse = !(margin.less(centroid) & centroid.less(one - margin));
+        let (first, second) = (
+            normals[k].dot(edge_vector),
+            normals[next(k)].dot(edge_vector),
+        );
+        let kept = lanes.constant(if straight { 0.0 } else { 2.0 });
+        let most = lanes.constant(0.9);
+        let damping = (sums[k].dot(edge_vector).abs() * plane.per_length[k]).lesser(most);
+        let damped = lanes.constant(if smooth && !straight { 4.0 } else { 0.0 });
+        Edge {
+            length2: frame.lengths2[k],
+            height: plane.heights[k],
+            per_height,
+            foot: feet[k],
+            lean: leans[k],
+            tilt: leans[k] * per_height,
+            rise: [
+                S::select(obtuse, one, (one - centroid) * shares[k]),
+                S::select(obtuse, one, centroid * shares[k]),
+            ],
+            obtuse,
+            bend: [first * kept, -(second * kept)],
+            bulge: zero,
+            damping: damping * damped,
+            correction: [zero; 3],
+            loose: [
+                !straight && flags.is_straight(next(next(k))),
+                !straight && flags.is_straight(next(k)),
+            ],
+        }
+    })
 }

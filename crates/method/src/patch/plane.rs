@@ -1,7 +1,7 @@
 //! A triangle's plane.
 
 use super::triangle_frame::TriangleFrame;
-use crate::numbers::{Constant, Real, Vector, three};
+use crate::numbers::{Constant, Real, Vector};
 
 /// A triangle's plane.
 pub(crate) struct TrianglePlane<S> {
@@ -21,27 +21,15 @@ pub(crate) struct TrianglePlane<S> {
 impl<S: Constant> TrianglePlane<S> {
     #[inline(always)]
     pub fn new(frame: &TriangleFrame<S>) -> Self {
-        let one = frame.area2.constant(1.0);
+        let one = frame.area2.one();
         let per_area = one / frame.area2;
         let per_length2 = ratios([one; 3], frame.lengths2);
         let lengths = roots(frame.lengths2);
-        let per_length = three(
-            #[inline(always)]
-            |k| lengths[k] * per_length2[k],
-        );
+        let per_length = three!(|k| lengths[k] * per_length2[k]);
         let geometric = frame.cross * per_area;
-        let across = three(
-            #[inline(always)]
-            |k| geometric.cross(frame.edge_vectors[k]),
-        );
-        let heights = three(
-            #[inline(always)]
-            |k| frame.area2 * per_length[k],
-        );
-        let per_heights = three(
-            #[inline(always)]
-            |k| lengths[k] * per_area,
-        );
+        let across = three!(|k| geometric.cross(frame.edge_vectors[k]));
+        let heights = three!(|k| frame.area2 * per_length[k]);
+        let per_heights = three!(|k| lengths[k] * per_area);
         Self {
             normal: geometric * frame.winding,
             // Edge k is opposite to vertex k + 2.
@@ -50,10 +38,7 @@ impl<S: Constant> TrianglePlane<S> {
                 across[2] * per_area,
                 across[0] * per_area,
             ],
-            inward: three(
-                #[inline(always)]
-                |k| across[k] * per_length[k],
-            ),
+            inward: three!(|k| across[k] * per_length[k]),
             heights: [
                 heights[0],
                 heights[1],

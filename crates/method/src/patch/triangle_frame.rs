@@ -1,7 +1,7 @@
 //! A triangle's edges and plane, before anything of its surface: what the clip and the patch share.
 
 use super::choice::Choice;
-use crate::numbers::{Constant, Real, Scalar, Vector, inlined, three};
+use crate::numbers::{Constant, Real, Scalar, Vector};
 
 /// Twice the area over the squared size, below which there is no plane to speak of ...
 const DEGENERATE_AREA: f64 = 1e-12;
@@ -47,33 +47,24 @@ impl<S: Constant> TriangleFrame<S> {
     /// a sliver: so large as single precision takes it.
     #[inline(always)]
     pub fn is_sound(&self, positions: &[Vector<S>; 3]) -> S::Mask {
-        let constant = inlined(
-            #[inline(always)]
-            |value: f64| self.area2.constant(value),
-        );
+        let lanes = self.area2;
         let extent = extent(&edge_vectors(positions));
-        let Vector { x, y, z } = positions[0] * constant(0.0);
+        let Vector { x, y, z } = positions[0] * lanes.zero();
         // What is not finite is no number by now, and fails any comparison.
-        constant(TINY).less(extent)
-            & extent.less(constant(f64::from(f32::HUGE)))
-            & (x + y + z).at_most(constant(0.0))
-            & constant(SLIVER_AREA).less(self.area2)
+        lanes.constant(TINY).less(extent)
+            & extent.less(lanes.constant(f64::from(f32::HUGE)))
+            & (x + y + z).at_most(lanes.zero())
+            & lanes.constant(SLIVER_AREA).less(self.area2)
     }
 
     /// All but the winding.
     #[inline(always)]
     fn scaled(origin: Vector<S>, edge_vectors: [Vector<S>; 3], extent: S) -> Self {
-        let one = extent.constant(1.0);
+        let one = extent.one();
         let size = extent.power_of_two();
         let unit = size.per_power_of_two();
-        let edge_vectors = three(
-            #[inline(always)]
-            |k| edge_vectors[k] * unit,
-        );
-        let lengths2 = three(
-            #[inline(always)]
-            |k| edge_vectors[k].dot(edge_vectors[k]),
-        );
+        let edge_vectors = three!(|k| edge_vectors[k] * unit);
+        let lengths2 = three!(|k| edge_vectors[k].dot(edge_vectors[k]));
         let longest = Choice::longest(lengths2);
         let [a, b, c] = edge_vectors;
         // The two shortest edges give the most certain vector product.
@@ -94,9 +85,9 @@ impl<S: Constant> TriangleFrame<S> {
 
     #[inline(always)]
     pub fn oriented(self, normals: &[Vector<S>; 3]) -> Self {
-        let one = self.area2.constant(1.0);
+        let one = self.area2.one();
         let agreement = self.cross.dot(normals[0] + normals[1] + normals[2]);
-        let winding = S::select(agreement.less(one.constant(0.0)), -one, one);
+        let winding = S::select(agreement.less(one.zero()), -one, one);
         Self { winding, ..self }
     }
 }

@@ -9,7 +9,7 @@ use super::kind::{FlatReason, PatchKind, Rule};
 use super::plane::TrianglePlane;
 use super::sphere::Sphere;
 use super::triangle_frame::TriangleFrame;
-use crate::numbers::{Constant, Cursor, Fields, Mask, Real, Scalar, Vector, each, three, vector};
+use crate::numbers::{Constant, Cursor, Fields, Mask, Real, Scalar, Vector, vector};
 
 /// What a patch knows of a vertex.
 #[derive(Clone, Copy, Debug)]
@@ -76,7 +76,7 @@ pub struct Patch<S: Constant> {
 impl<S: Constant> BaseFrame<S> {
     #[inline(always)]
     fn new(frame: &TriangleFrame<S>, plane: &TrianglePlane<S>, edges: &[Edge<S>; 3]) -> Self {
-        let (edge, zero) = (frame.longest, frame.area2.constant(0.0));
+        let (edge, zero) = (frame.longest, frame.area2.zero());
         let ([a, b, c], [first, second, third]) = (frame.edge_vectors, plane.gradients);
         Self {
             edge,
@@ -142,7 +142,7 @@ impl<S: Constant> Patch<S> {
     /// A patch without area.
     #[inline(always)]
     pub(crate) fn empty(origin: Vector<S>) -> Self {
-        let (zero, one) = (origin.x.constant(0.0), origin.x.constant(1.0));
+        let (zero, one) = (origin.x.zero(), origin.x.one());
         let none = vector(zero, zero, zero);
         let edge = Edge {
             length2: zero,
@@ -199,21 +199,15 @@ impl<S: Constant> Patch<S> {
         normals: &[Vector<S>; 3],
         flags: PatchFlags,
     ) -> Self {
-        let zero = frame.area2.constant(0.0);
+        let zero = frame.area2.zero();
         let plane = TrianglePlane::new(frame);
         let edges = edges(frame, &plane, normals, flags);
-        let vertices = three(
-            #[inline(always)]
-            |i| Vertex {
-                normal: normals[i].dot(plane.normal),
-                inward: three(
-                    #[inline(always)]
-                    |k| normals[i].dot(plane.inward[k]),
-                ),
-                between: -frame.edge_vectors[i].dot(frame.edge_vectors[next(next(i))]),
-                inverse_angle: zero,
-            },
-        );
+        let vertices = three!(|i| Vertex {
+            normal: normals[i].dot(plane.normal),
+            inward: three!(|k| normals[i].dot(plane.inward[k])),
+            between: -frame.edge_vectors[i].dot(frame.edge_vectors[next(next(i))]),
+            inverse_angle: zero,
+        });
         let mut patch = Self {
             clip_volume: ClipVolume::empty(frame.origin),
             origin: frame.origin,
@@ -233,16 +227,12 @@ impl<S: Constant> Patch<S> {
             kind: PatchKind::Curved,
             unevenness: zero.constant(f64::INFINITY),
         };
-        each(
-            #[inline(always)]
-            |k| {
-                // Over twice the normals' mean cosine, near enough for a guess.
-                let upright = patch.vertices[k].normal + patch.vertices[next(k)].normal;
-                let quarter = zero.constant(0.25);
-                patch.edges[k].bulge =
-                    patch.mean_bend(k) * (upright * quarter - zero.constant(1.0));
-            },
-        );
+        each!(|k| {
+            // Over twice the normals' mean cosine, near enough for a guess.
+            let upright = patch.vertices[k].normal + patch.vertices[next(k)].normal;
+            let quarter = zero.constant(0.25);
+            patch.edges[k].bulge = patch.mean_bend(k) * (upright * quarter - zero.one());
+        });
         patch
     }
 
@@ -251,7 +241,7 @@ impl<S: Constant> Patch<S> {
     pub(crate) fn set_angles(&mut self) {
         for vertex in &mut self.vertices {
             let angle = Real::atan2(self.area2, vertex.between);
-            vertex.inverse_angle = angle.constant(1.0) / angle;
+            vertex.inverse_angle = angle.one() / angle;
         }
     }
 
@@ -259,7 +249,7 @@ impl<S: Constant> Patch<S> {
     #[inline(always)]
     pub(crate) fn mean_bend(&self, edge: usize) -> S {
         let [first, second] = self.edges[edge].bend;
-        (first + second) * first.constant(0.5)
+        (first + second) * first.half()
     }
 }
 

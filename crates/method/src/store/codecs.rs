@@ -1,6 +1,6 @@
 //! How numbers are packed.
 
-use crate::numbers::{Constant, Scalar, each, inlined};
+use crate::numbers::{Constant, Scalar, inlined};
 use crate::patch::Patch;
 
 /// Binary digits of the greatest coefficient.
@@ -18,17 +18,14 @@ impl<S: Constant> Patch<S> {
         let coarse = unit * unit.constant(1.5 / S::PRECISION);
         // The greatest may round up beyond the digits.
         let most = unit * unit.constant(i16::MAX.into());
-        each(
-            #[inline(always)]
-            |k| {
-                let [a, b, c] = self.edges[k].correction;
-                let rounded = inlined(
-                    #[inline(always)]
-                    |value: S| ((value + coarse) - coarse).greater(-most).lesser(most),
-                );
-                self.edges[k].correction = [rounded(a), rounded(b), rounded(c)];
-            },
-        );
+        each!(|k| {
+            let [a, b, c] = self.edges[k].correction;
+            let rounded = inlined(
+                #[inline(always)]
+                |value: S| ((value + coarse) - coarse).greater(-most).lesser(most),
+            );
+            self.edges[k].correction = [rounded(a), rounded(b), rounded(c)];
+        });
     }
 
     /// The unit, a power of two, in which the greatest coefficient takes all the digits. Rounding to it
@@ -36,16 +33,13 @@ impl<S: Constant> Patch<S> {
     #[inline(always)]
     pub(crate) fn correction_unit(&self) -> S {
         let lanes = self.area2;
-        let mut greatest = lanes.constant(0.0);
-        each(
-            #[inline(always)]
-            |k| {
-                let [a, b, c] = self.edges[k].correction;
-                greatest = a.abs().greater(greatest);
-                greatest = b.abs().greater(greatest);
-                greatest = c.abs().greater(greatest);
-            },
-        );
+        let mut greatest = lanes.zero();
+        each!(|k| {
+            let [a, b, c] = self.edges[k].correction;
+            greatest = a.abs().greater(greatest);
+            greatest = b.abs().greater(greatest);
+            greatest = c.abs().greater(greatest);
+        });
         let [least, most] = EXPONENTS.map(|exponent| lanes.constant(2f64.powi(exponent)));
         let unit = greatest.power_of_two() * lanes.constant(2f64.powi(1 - DIGITS));
         unit.greater(least).lesser(most)

@@ -170,6 +170,6 @@ impl<S: Simd, P: PairLanes<S>, const N: usize> Cursor<P> for PickLanes<'_, S, P,
     fn truth(&mut self, truth: &mut P::Mask) {
         let number = P::of_patches(self.simd, &self.columns[self.next], self.places);
         self.next += 1;
-        *truth = number.constant(0.0).less(number);
+        *truth = number.zero().less(number);
     }
 }

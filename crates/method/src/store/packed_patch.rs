@@ -1,7 +1,7 @@
 //! What is kept of a patch, in half a cache line.
 
 use super::codecs::{UNKNOWN, pack_unevenness, power_of_two, unpack_unevenness};
-use crate::numbers::{Scalar, three};
+use crate::numbers::Scalar;
 use crate::patch::{Enlargement, FlatReason, Patch, PatchFlags, PatchKind};
 
 /// The per-triangle results worth keeping: with the three vertices they give the patch back
@@ -105,16 +105,10 @@ impl PackedPatch {
     pub(crate) fn correction(&self) -> [[f32; 3]; 3] {
         let unit = power_of_two(self.exponent.into());
         // Not by `map`, which is called, and the vectors' halves of it wait for each other.
-        three(
-            #[inline(always)]
-            |k| {
-                let edge = &self.correction[k];
-                three(
-                    #[inline(always)]
-                    |n| f32::from(edge[n]) * unit,
-                )
-            },
-        )
+        three!(|k| {
+            let edge = &self.correction[k];
+            three!(|n| f32::from(edge[n]) * unit)
+        })
     }
 }
 
