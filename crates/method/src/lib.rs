@@ -39,18 +39,21 @@ mod packet_tests;
 #[cfg(test)]
 mod tests;
 
-pub use bounds::DirectionalBounds;
 pub use build::BuiltPatch;
 pub use evaluate::SurfacePoint;
-pub use intersect::{
-    Hit, HitLanes, MAX_PARTS, PairHit, PairHits, Precision, Ray, RayInterval, RayLanes, Segment,
-    Solver,
-};
-pub use numbers::{
-    Constant, Dual, Jet, Lanes, MAX_LANES, Mask, PATCHES, PatchMask, Patches, Quad, Real, Scalar,
-    SetBits, Vector, inlined, load_lanes, set_bits, three, vector,
-};
+pub use intersect::{Hit, HitLanes, PairHit, PairHits, Precision, Ray, RayLanes, Solver};
+pub use numbers::{MAX_LANES, PATCHES, Vector, vector};
 pub use patch::{
     BoundsKind, FlatReason, Patch, PatchFlags, PatchKind, Sphere, Surface, TriangleVertices,
 };
-pub use store::{PackedPatch, PackedTriangle, PatchBlock, in_columns};
+pub use store::{PackedPatch, PackedTriangle, PatchBlock};
+
+// For the curved geometry of this workspace: no part of the interface that others can rely on.
+#[doc(hidden)]
+pub use bounds::DirectionalBounds;
+#[doc(hidden)]
+pub use numbers::{
+    Lanes, PatchMask, Patches, Quad, Real, Scalar, SetBits, inlined, load_lanes, set_bits, three,
+};
+#[doc(hidden)]
+pub use store::in_columns;

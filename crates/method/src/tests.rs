@@ -4,6 +4,7 @@
 use fearless_simd::Level;
 use proptest::prelude::*;
 
+use super::intersect::Segment;
 use super::*;
 
 pub(crate) type V = Vector<f64>;

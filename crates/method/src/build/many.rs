@@ -20,6 +20,17 @@ const VERTICES: usize = TriangleVertices::<f32>::COUNT;
 type Take<'a> = &'a mut dyn FnMut(usize, BuiltPatch);
 
 /// What a triangle was made into.
+///
+/// ```
+/// use curvetri_method::{BuiltPatch, PatchFlags, PatchKind, TriangleVertices, vector};
+///
+/// let c = 1.0 / 3f32.sqrt();
+/// let positions = [vector(c, c, c), vector(c, -c, -c), vector(-c, c, -c)];
+/// let triangle = TriangleVertices { positions, normals: positions };
+/// BuiltPatch::each(&[triangle; 20], PatchFlags::default(), |_, built| {
+///     assert_eq!(built.packed.kind(), PatchKind::Curved);
+/// });
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct BuiltPatch {
     /// As [`Patch::pack`] tells.

@@ -8,6 +8,16 @@ use crate::patch::{Patch, Rule, next};
 const OFF_VERTEX: f64 = 1e-5;
 
 /// A point of the curved surface.
+///
+/// ```
+/// use curvetri_method::{Patch, PatchFlags, vector};
+///
+/// let c = 1.0 / 3f64.sqrt();
+/// let vertices = [vector(c, c, c), vector(c, -c, -c), vector(-c, c, -c)];
+/// let point = Patch::new(vertices, vertices, PatchFlags::default()).point(0.2, 0.3);
+/// assert!((point.position.length() - 1.0).abs() < 1e-12);
+/// assert!(point.normal.dot(point.position) > 0.999);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint<V> {
     /// Position, in the space of the patch's positions.

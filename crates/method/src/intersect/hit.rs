@@ -3,6 +3,13 @@
 use crate::numbers::{Mask, Real, Scalar};
 
 /// How the root along a ray is found.
+///
+/// ```
+/// use curvetri_method::Solver;
+///
+/// assert_eq!(Solver::default(), Solver::Bracketing { parts: 8 });
+/// assert_eq!(Solver::ITA, Solver::Ita { bits: 24, step: 3 });
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solver {
     /// The paper's iterative algorithm: `bits` binary digits, `step` at a time (n and n1).

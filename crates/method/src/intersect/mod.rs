@@ -16,11 +16,10 @@ mod secant;
 mod segment;
 mod single;
 
-pub use clip::RayInterval;
 pub use entry::Precision;
 pub use hit::{Hit, Solver};
 pub use packet::{HitLanes, RayLanes};
 pub use pairs::{PairHit, PairHits};
 pub use ray::Ray;
-pub use root::MAX_PARTS;
-pub use segment::Segment;
+#[cfg(test)]
+pub(crate) use segment::Segment;

@@ -39,12 +39,14 @@ impl<S: Scalar> Patch<S> {
     }
 
     /// Where the ray can meet the surface at all, in the valid lanes.
+    #[doc(hidden)]
     #[inline(always)]
     pub fn clip<V: Real<Scalar = S>>(&self, ray: &Ray<V>, valid: V::Mask) -> RayInterval<V> {
         self.clip_volume.clip(ray, valid)
     }
 
     /// A ray's way over the patch within an interval.
+    #[doc(hidden)]
     #[inline(always)]
     pub fn segment<V: Real<Scalar = S>>(
         &self,
@@ -306,6 +308,7 @@ impl<S: Constant> Patch<S> {
     /// F of equation (44), whose roots are the hits: the ray's height over the triangle's plane less
     /// the surface's over the foot of the guide there, in units of the patch's size. `at` is the
     /// segment's parameter, the ray's less that of the segment's start.
+    #[doc(hidden)]
     #[inline(always)]
     pub fn clearance<V: Real<Scalar = S>>(&self, segment: &Segment<V>, at: V) -> V {
         let z = segment.z(at);

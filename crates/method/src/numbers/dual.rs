@@ -4,7 +4,7 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::jet::{Jet, Quadratic, TINY};
-use super::scalar::{Arithmetic, Real};
+use super::scalar::{Arithmetic, Real, sealed};
 
 /// A value and its `N` partial derivatives (forward mode).
 #[derive(Clone, Copy, Debug)]
@@ -95,6 +95,8 @@ impl<V: Real, const N: usize> Neg for Dual<V, N> {
         )
     }
 }
+
+impl<V: Real, const N: usize> sealed::Sealed for Dual<V, N> {}
 
 impl<V: Real, const N: usize> Arithmetic for Dual<V, N> {
     #[inline(always)]

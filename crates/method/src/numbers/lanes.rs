@@ -7,7 +7,7 @@ use fearless_simd::{
     f32x4, f32x8, f32x16, mask32x4, mask32x8, mask32x16, prelude::*, u32x8, u32x16,
 };
 
-use super::scalar::{Arithmetic, Constant, Mask, Real, atan2};
+use super::scalar::{Arithmetic, Constant, Mask, Real, atan2, sealed};
 
 macro_rules! arithmetic {
     ($lanes:ident: $($operation:ident $function:ident),*) => {$(
@@ -43,6 +43,8 @@ macro_rules! masks {
             }
         }
 
+        impl<S: Simd> sealed::Sealed for $mask<S> {}
+
         impl<S: Simd> Mask for $mask<S> {
             #[inline(always)]
             fn any(self) -> bool {
@@ -75,6 +77,8 @@ macro_rules! lanes {
                 Self(-self.0)
             }
         }
+
+        impl<S: Simd> sealed::Sealed for $lanes<S> {}
 
         impl<S: Simd> Arithmetic for $lanes<S> {
             #[inline(always)]

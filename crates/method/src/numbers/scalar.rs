@@ -67,7 +67,12 @@ macro_rules! each {
 
 /// The answer of a comparison, one truth value a lane.
 pub trait Mask:
-    Copy + std::fmt::Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
+    sealed::Sealed
+    + Copy
+    + std::fmt::Debug
+    + BitAnd<Output = Self>
+    + BitOr<Output = Self>
+    + Not<Output = Self>
 {
     /// Whether any lane holds.
     fn any(self) -> bool;
@@ -90,9 +95,20 @@ impl Mask for bool {
     }
 }
 
+/// Keeps the traits of numbers to the types of this package.
+pub(crate) mod sealed {
+    /// Implemented for the numbers of this package alone.
+    pub trait Sealed {}
+
+    impl Sealed for bool {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
 /// The arithmetic every layer shares.
 pub trait Arithmetic:
-    Copy
+    sealed::Sealed
+    + Copy
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>

@@ -1,6 +1,12 @@
 //! What a patch is told beside its three vertices: one word.
 
 /// Which smooth surface a curved triangle stands for.
+///
+/// ```
+/// use curvetri_method::Surface;
+///
+/// assert_eq!(Surface::default().name(), "smooth");
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Surface {
     /// The paper's curvature rule, equation (19): by the angle at the vertex. Continuous, but its
@@ -56,6 +62,16 @@ impl BoundsKind {
 /// The surface, the edges that must stay straight, and whether the triangle is to stay flat.
 ///
 /// Edge `k` runs from vertex `k` to vertex `k + 1` (cyclically, from 0).
+///
+/// ```
+/// use curvetri_method::{BoundsKind, PatchFlags, Surface};
+///
+/// let flags = PatchFlags::new(Surface::Tensor)
+///     .with_straight(2)
+///     .with_bounds(BoundsKind::Sphere);
+/// assert!(flags.is_straight(2) && !flags.is_straight(0));
+/// assert_eq!(flags.surface(), Surface::Tensor);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(transparent)]
 pub struct PatchFlags(u16);

@@ -43,6 +43,26 @@ pub(crate) struct BaseFrame<S: Constant> {
 /// A curved triangle, ready for rays.
 ///
 /// `S` is `f32` or `f64`; the `f64` patch of the same vertices is the oracle for the `f32` one.
+///
+/// ```
+/// use curvetri_method::{Patch, PatchFlags, PatchKind, Ray, Solver, vector};
+///
+/// // A face of the regular tetrahedron in the unit sphere; each vertex is its own normal.
+/// let c = 1.0 / 3f64.sqrt();
+/// let vertices = [vector(c, c, c), vector(c, -c, -c), vector(-c, c, -c)];
+/// let patch = Patch::new(vertices, vertices, PatchFlags::default());
+/// assert_eq!(patch.kind(), PatchKind::Curved);
+///
+/// // A ray from outside towards the centre meets the sphere, not the plane.
+/// let ray = Ray {
+///     origin: vector(c, c, -c) * 5.0,
+///     direction: vector(-c, -c, c),
+///     tnear: 0.0,
+///     tfar: f64::INFINITY,
+/// };
+/// let hit = patch.intersect(&ray, Solver::default());
+/// assert!(hit.found && (hit.t - 4.0).abs() < 1e-9);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Patch<S: Constant> {
     /// What rays are clipped to.

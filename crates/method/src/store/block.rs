@@ -20,6 +20,36 @@ const CLIP_VOLUME: usize = ClipVolume::<f32>::COUNT;
 const PATCH: usize = Patch::<f32>::COUNT;
 
 /// Up to eight patches, laid out for rays.
+///
+/// ```
+/// use curvetri_method::{
+///     BuiltPatch, PackedTriangle, PairHits, PatchBlock, PatchFlags, RayLanes, Solver,
+///     TriangleVertices, vector,
+/// };
+///
+/// let c = 1.0 / 3f32.sqrt();
+/// let positions = [vector(c, c, c), vector(c, -c, -c), vector(-c, c, -c)];
+/// let vertices = TriangleVertices { positions, normals: positions };
+/// let built = BuiltPatch::new(&vertices, PatchFlags::default());
+/// let mut triangles = [None; 8];
+/// triangles[3] = Some(PackedTriangle::new(vertices, &built.packed));
+/// let mut block = PatchBlock::default();
+/// block.unpack(&triangles);
+/// assert_eq!(block.unpacked(), 1 << 3);
+///
+/// // Two rays; the second runs the other way.
+/// let rays = RayLanes {
+///     origin: [&[5.0 * c; 2], &[5.0 * c; 2], &[-5.0 * c; 2]],
+///     direction: [&[-c, c], &[-c, c], &[c, -c]],
+///     tnear: &[0.0; 2],
+///     tfar: &[f32::INFINITY; 2],
+/// };
+/// let mut hits = PairHits::default();
+/// block.intersect_packet(&rays, &[0b11; 8], Solver::default(), true, &mut hits);
+/// let hit = hits.iter().next().expect("the first ray hits");
+/// assert_eq!((hit.lane, hit.patch), (0, 3));
+/// assert_eq!(hits.iter().count(), 1);
+/// ```
 #[derive(Clone, Debug)]
 pub struct PatchBlock {
     /// Which ones are, one bit each.

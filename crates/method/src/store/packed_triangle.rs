@@ -9,6 +9,27 @@ use crate::numbers::{Cursor, Fields, Patches, Real, to_array};
 use crate::patch::TriangleVertices;
 
 /// A curved triangle's vertices and its packed patch.
+///
+/// ```
+/// use curvetri_method::{
+///     BuiltPatch, PackedTriangle, PatchFlags, Ray, Solver, TriangleVertices, vector,
+/// };
+///
+/// let c = 1.0 / 3f32.sqrt();
+/// let positions = [vector(c, c, c), vector(c, -c, -c), vector(-c, c, -c)];
+/// let vertices = TriangleVertices { positions, normals: positions };
+/// let built = BuiltPatch::new(&vertices, PatchFlags::default());
+/// let triangle = PackedTriangle::new(vertices, &built.packed);
+/// let ray = Ray {
+///     origin: vector(c, c, -c) * 5.0,
+///     direction: vector(-c, -c, c),
+///     tnear: 0.0,
+///     tfar: f32::INFINITY,
+/// };
+/// let (hit, normal) = triangle.intersect(&ray, Solver::default(), true);
+/// assert!(hit.found && (hit.t - 4.0).abs() < 1e-5);
+/// assert!(normal.dot(ray.direction) < -0.999);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct PackedTriangle<'a> {
     pub(crate) vertices: TriangleVertices,
