@@ -4,11 +4,13 @@ use crate::numbers::{Constant, Vector, inlined};
 use crate::patch::{Patch, Rule, next};
 
 /// How far the surface may be off the paraboloid, in units of the patch's size, for a unit of slope: it is not
-/// at the vertices.
+/// at the vertices. Measured: fewer than 1 in 500 points of random patches are further off (the test below).
 pub(crate) const HEIGHT: f64 = 0.4;
-/// Room for what the places looked at do not show.
+/// What the slope's greatest deviation at the sampled places is multiplied by, for what they do not show.
+/// Measured, not proven: fewer than 1 in 500 points of random patches are steeper (docs/decisions/0020).
 const SAMPLING_FACTOR: f64 = 1.3;
-/// And for what a polynomial cannot follow, for the third power of the greatest slope.
+/// What is added for what a polynomial cannot follow, for the third power of the greatest slope: the next term
+/// of the slope's series. Its factor is measured by the same test.
 const CUBED: f64 = 0.25;
 
 impl<S: Constant> Patch<S> {

