@@ -29,7 +29,7 @@ fn levels() -> Vec<Level> {
     levels.into_iter().filter(|level| fuses(*level)).collect()
 }
 
-/// A patch's own vertices and what is kept of it.
+/// A patch's own vertices and its packed patch.
 struct Triangle {
     positions: [Vector<f32>; 3],
     normals: [Vector<f32>; 3],
@@ -46,7 +46,7 @@ impl Triangle {
             packed,
         }
     }
-    fn kept(&self) -> PackedTriangle<'_> {
+    fn packed_triangle(&self) -> PackedTriangle<'_> {
         PackedTriangle::new(
             TriangleVertices {
                 positions: self.positions,
@@ -127,10 +127,10 @@ fn check(triangle: &Triangle, rays: &[Ray<f32>], valid: u32, solver: Solver) -> 
     let columns = Columns::new(rays);
     let packet = columns.rays();
     let patch = triangle.patch();
-    let kept = triangle.kept();
+    let packed_triangle = triangle.packed_triangle();
     let mut count = [0; 2];
     for level in levels() {
-        let hits = kept.intersect_packet_at(level, &packet, valid, solver, true);
+        let hits = packed_triangle.intersect_packet_at(level, &packet, valid, solver, true);
         let mut evaluations = 0;
         for (lane, ray) in rays.iter().enumerate() {
             let found = hits.found >> lane & 1 != 0;
@@ -139,7 +139,7 @@ fn check(triangle: &Triangle, rays: &[Ray<f32>], valid: u32, solver: Solver) -> 
                 continue;
             }
             let single = patch.intersect(ray, solver);
-            let (sampled, ng) = kept.intersect_at(level, ray, solver, true);
+            let (sampled, ng) = packed_triangle.intersect_at(level, ray, solver, true);
             evaluations += sampled.evaluations;
             let answer = |hit: &Hit<f32>| {
                 let place = [hit.t, hit.u, hit.v].map(f32::to_bits);
@@ -224,10 +224,11 @@ fn levels_that_round_twice_agree_to_rounding() {
         let columns = Columns::new(&packet);
         for &level in &levels {
             let solver = Solver::default();
-            let kept = triangle.kept();
-            let hits = kept.intersect_packet_at(level, &columns.rays(), u32::MAX, solver, true);
+            let packed_triangle = triangle.packed_triangle();
+            let hits =
+                packed_triangle.intersect_packet_at(level, &columns.rays(), u32::MAX, solver, true);
             for (lane, ray) in packet.iter().enumerate() {
-                let (alone, _) = kept.intersect_at(level, ray, solver, true);
+                let (alone, _) = packed_triangle.intersect_at(level, ray, solver, true);
                 let fused = patch.intersect(ray, solver);
                 let near = |hit: &Hit<f32>, t: f32| (hit.t - t).abs() < 1e-5 * (1.0 + t.abs());
                 let found = hits.found >> lane & 1 != 0;
@@ -263,7 +264,7 @@ fn fitting(random: &mut Random, surface: Surface) -> Triangle {
     loop {
         let (p, normals) = random.triangle(25.0, 0.8);
         let triangle = Triangle::new(p, normals, PatchFlags::new(surface));
-        if triangle.kept().fits_block() {
+        if triangle.packed_triangle().fits_block() {
             return triangle;
         }
     }
@@ -272,7 +273,7 @@ fn fitting(random: &mut Random, surface: Surface) -> Triangle {
 #[test]
 fn every_pair_of_a_block_is_its_ray_and_its_patch_alone() {
     let mut random = Random(12);
-    let (mut found, mut asked) = (0, 0);
+    let (mut found, mut requested) = (0, 0);
     for n in 0..80 {
         let surface = [Surface::Smooth, Surface::Tensor][n % 2];
         let triangles: Vec<_> = (0..8).map(|_| fitting(&mut random, surface)).collect();
@@ -281,42 +282,45 @@ fn every_pair_of_a_block_is_its_ray_and_its_patch_alone() {
             .map(|lane| odd_ray(&mut random, &triangles[lane % 8].patch()))
             .collect();
         let columns = Columns::new(&rays);
-        // Some triangles are not laid out, some later than others, some lanes not asked for.
+        // Some triangles are not laid out, some later than others, some lanes not requested for.
         let batches = [0b0110_1101, 0b0001_0010 >> (n % 3)];
         let lanes = std::array::from_fn(|k| [0xffff, 0x5a5a, 0, 0xf7ff][(n + k) % 4]);
         for level in levels() {
             let mut block = PatchBlock::default();
             for which in batches {
                 let new = which & !block.unpacked();
-                let of = |k: usize| (new >> k & 1 != 0).then(|| triangles[k].kept());
+                let of = |k: usize| (new >> k & 1 != 0).then(|| triangles[k].packed_triangle());
                 block.unpack_at(level, &std::array::from_fn(of));
             }
             let mut hits = PairHits::default();
             let solver = Solver::default();
             block.intersect_packet_at(level, &columns.rays(), &lanes, solver, true, &mut hits);
-            let mut told = [[None; 16]; 8];
+            let mut reported = [[None; 16]; 8];
             for hit in hits.iter() {
-                let place = &mut told[hit.patch][hit.lane];
-                assert!(place.is_none(), "{level:?}: told twice");
+                let place = &mut reported[hit.patch][hit.lane];
+                assert!(place.is_none(), "{level:?}: reported twice");
                 *place = Some((hit.t, hit.u, hit.v, hit.normal));
             }
             for (k, triangle) in triangles.iter().enumerate() {
                 let patch = triangle.patch();
-                for (lane, told) in told[k].into_iter().enumerate() {
+                for (lane, reported) in reported[k].into_iter().enumerate() {
                     let valid = lane < width && lanes[k] >> lane & block.unpacked() >> k & 1 != 0;
                     let alone = valid.then(|| patch.intersect(&rays[lane], solver));
                     let alone = alone
                         .filter(|hit| hit.found)
                         .map(|hit| (hit.t, hit.u, hit.v, patch.normal_at(hit.u, hit.v)));
-                    assert_eq!(told, alone, "{level:?}: patch {k}, lane {lane}");
-                    asked += usize::from(valid);
+                    assert_eq!(reported, alone, "{level:?}: patch {k}, lane {lane}");
+                    requested += usize::from(valid);
                     found += usize::from(alone.is_some());
                 }
             }
         }
     }
-    println!("{found} hits of {asked}");
-    assert!(found > 500 && asked > 2 * found, "{found} of {asked}");
+    println!("{found} hits of {requested}");
+    assert!(
+        found > 500 && requested > 2 * found,
+        "{found} of {requested}"
+    );
 }
 
 #[test]
@@ -324,7 +328,11 @@ fn what_is_not_plainly_curved_fits_no_block() {
     let mut random = Random(13);
     let plain = PatchFlags::default();
     let (p, normals) = random.triangle(10.0, 0.3);
-    assert!(Triangle::new(p, normals, plain).kept().fits_block());
+    assert!(
+        Triangle::new(p, normals, plain)
+            .packed_triangle()
+            .fits_block()
+    );
     for flags in [
         plain.with_flat(),
         plain.with_plane(),
@@ -333,11 +341,17 @@ fn what_is_not_plainly_curved_fits_no_block() {
         PatchFlags::new(Surface::Angular),
     ] {
         assert!(
-            !Triangle::new(p, normals, flags).kept().fits_block(),
+            !Triangle::new(p, normals, flags)
+                .packed_triangle()
+                .fits_block(),
             "{flags:?}"
         );
     }
     let back = normals.map(|n| -n);
     let mixed = [normals[0], back[1], normals[2]];
-    assert!(!Triangle::new(p, mixed, plain).kept().fits_block());
+    assert!(
+        !Triangle::new(p, mixed, plain)
+            .packed_triangle()
+            .fits_block()
+    );
 }

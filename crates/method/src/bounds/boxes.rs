@@ -6,7 +6,8 @@ use crate::patch::{Patch, PatchKind, Rule, next};
 
 impl<S: Scalar> Patch<S> {
     /// A box that contains the surface, in the units and axes of the positions: lower and upper
-    /// corner. Tight, or the sphere's, as [the flags](super::PatchFlags::with_bounds) ask for. Conservative, rounding included; empty (`lower > upper`) for a degenerate triangle.
+    /// corner. Tight, or the sphere's, by [the flags](crate::PatchFlags::with_bounds).
+    /// Conservative, rounding included; empty (`lower > upper`) for a degenerate triangle.
     pub(crate) fn surface_box(&self) -> [Vector<S>; 2] {
         let net = match self.rule {
             Rule::Flat => None,
@@ -78,7 +79,7 @@ impl<S: Constant> Patch<S> {
         self.in_space(hull, of)
     }
 
-    /// A range of one coordinate inside the patch as one of the positions' coordinate, with room for
+    /// A range of one coordinate inside the patch as one of the positions' coordinate, widened by
     /// what rounding moves: inside, and in adding the origin again.
     #[inline(always)]
     pub(crate) fn in_space(&self, hull: Interval<S>, of: impl Fn(Vector<S>) -> S) -> Interval<S> {

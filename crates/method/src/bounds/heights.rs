@@ -21,7 +21,7 @@ const MAX_HEIGHT: f64 = 8.0;
 /// angle away from a long edge it adds much of the short edge's curvature, all along the length.
 const MAX_HEIGHT_TO_BEND: f64 = 8.0;
 
-/// What bounds the heights that one vertex's sphere asks for.
+/// What bounds the heights over one vertex's sphere.
 #[derive(Clone, Copy)]
 struct VertexIntervals<S> {
     /// Bernstein coefficients of `C_i`: at the edge midpoints ij, ik, jk and the corners j, k.
@@ -47,7 +47,7 @@ pub(crate) struct HeightIntervals<S: Real> {
     conditioned: S::Mask,
 }
 
-/// Bounds what each vertex's sphere asks for, under the patch's present rule.
+/// Bounds the heights over each vertex's sphere, by the patch's present rule.
 #[inline(always)]
 pub(crate) fn height_intervals<S: Constant>(patch: &Patch<S>) -> HeightIntervals<S> {
     let lanes = patch.area2;

@@ -1,4 +1,4 @@
-//! How far curved triangles reach along any direction, from what is kept of them.
+//! How far curved triangles reach along any direction, from their vertices and least and greatest heights.
 
 use crate::numbers::{Constant, Vector, inlined, vector};
 use crate::patch::TriangleFrame;
@@ -82,8 +82,8 @@ impl<V: Constant> DirectionalBounds<V> {
         let [a, b, c] = three!(|i| direction.dot(self.corners[i] - from));
         let zero = a.zero();
         let upright = direction.dot(self.normal);
-        let aside = (direction.dot(direction) - upright * upright).greater(zero);
-        let beside = aside.sqrt() * self.lean;
+        let sideways = (direction.dot(direction) - upright * upright).greater(zero);
+        let beside = sideways.sqrt() * self.lean;
         let [least, most] = self.heights;
         let (near, far) = (upright - beside, upright + beside);
         let [p, q, r, s] = [least * near, least * far, most * near, most * far];
@@ -114,21 +114,24 @@ mod tests {
                 normals: rounded(normals),
             };
             let packed = BuiltPatch::new(&corners, PatchFlags::new(Surface::ALL[n % 3])).packed;
-            let kept = PackedTriangle::new(corners, &packed);
+            let triangle = PackedTriangle::new(corners, &packed);
             if packed.kind() == PatchKind::Degenerate {
                 continue;
             }
             let slab = packed.slab().unwrap_or([0.0; 2]);
             let reach = DirectionalBounds::new(corners.positions, &corners.normals, slab);
-            let (patch, from) = (kept.unpack(), corners.positions[n % 3]);
+            let (patch, from) = (triangle.unpack(), corners.positions[n % 3]);
             let direction = Vector::from_f64(random.direction());
             let [lower, upper] = reach.along(direction, from);
-            let room = 1e-5 * patch.size();
+            let tolerance = 1e-5 * patch.size();
             for _ in 0..20 {
                 let [u, v] = random.inside();
                 let at = patch.point(u as f32, v as f32).position;
                 let value = direction.dot(at - from);
-                assert!(lower - room < value && value < upper + room, "{corners:?}");
+                assert!(
+                    lower - tolerance < value && value < upper + tolerance,
+                    "{corners:?}"
+                );
                 points += 1;
             }
             if n % 4 == 0 {

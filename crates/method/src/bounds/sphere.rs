@@ -59,7 +59,7 @@ impl<S: Scalar> Sphere<S> {
         sphere.enlarged(Enlargement::at_least(ratio))
     }
 
-    /// The sphere again, from what is [kept](Self::enlargement) of it.
+    /// The sphere again, from its packed [enlargement](Self::enlargement).
     #[inline]
     pub(crate) fn unpacked(frame: &TriangleFrame<S>, enlargement: Enlargement) -> Self {
         Self::on_circle(frame).enlarged(enlargement)

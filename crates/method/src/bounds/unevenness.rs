@@ -70,7 +70,7 @@ mod tests {
     use crate::patch::{PatchFlags, PatchKind, Surface};
     use crate::tests::{Random, V};
 
-    /// How far the surface's slope and height are off the paraboloid's at some place, for what is kept.
+    /// How far the surface's slope and height are off the paraboloid's at some place, in units of the bound.
     fn off(patch: &Patch<f64>, random: &mut Random) -> [f64; 2] {
         let [u, v] = random.inside();
         let place = patch.point(u, v);

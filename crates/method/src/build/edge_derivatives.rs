@@ -1,11 +1,11 @@
 //! The surface at an edge, before its correction: its height and how that changes, by hand, since it
-//! is asked for nine times a patch. Dual numbers say the same, in the tests.
+//! is computed nine times a patch. Dual numbers say the same, in the tests.
 //!
 //! The variables are the share `s` along the edge and the opposite vertex's coordinate `w`; the
 //! edge's own vertices have `1 - s - (1 - foot) w` and `s - foot w`. Where w = 0
 //! - the lean is the edge's, all along, and inward it falls as the ramp says;
 //! - the opposite vertex's sphere has the weight w, so that only its parameter counts;
-//! - the spheres of the edge's vertices are met where `c g^2 t^2 - 2 (n.g - c d.g) t + o = 0`: c the
+//! - the spheres of the edge's vertices meet the guide where `c g^2 t^2 - 2 (n.g - c d.g) t + o = 0`: c the
 //!   curvature, g the guide, d the way from the vertex, o the damped offset over its square. There
 //!   `d.g` is zero, and along the edge only o changes. The equation itself says how t does.
 

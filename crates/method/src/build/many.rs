@@ -1,4 +1,4 @@
-//! Many triangles made into patches at once, one in each SIMD lane: what is kept of them and their
+//! Many triangles made into patches at once, one in each SIMD lane: their packed forms and
 //! boxes, bit for bit what [`Patch::new`] makes of each alone.
 
 use fearless_simd::{Level, dispatch, f32x8, mask32x8, prelude::*};
@@ -15,7 +15,7 @@ use crate::store::{
 /// How many numbers a triangle's vertices are.
 const VERTICES: usize = TriangleVertices::<f32>::COUNT;
 
-/// Takes a triangle's place in the list and what it was made into. One type for all who ask, since the
+/// Takes a triangle's place in the list and what it was made into. One type for all callers, since the
 /// code in lanes is large and there for each kind of processor.
 type Take<'a> = &'a mut dyn FnMut(usize, BuiltPatch);
 
@@ -33,9 +33,9 @@ type Take<'a> = &'a mut dyn FnMut(usize, BuiltPatch);
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct BuiltPatch {
-    /// As [`Patch::pack`] tells.
+    /// The same as of [`Patch::pack`].
     pub packed: PackedPatch,
-    /// As [`Patch::bounds`] tells.
+    /// The same as of [`Patch::bounds`].
     pub bounds: [Vector<f32>; 2],
 }
 
@@ -98,7 +98,7 @@ fn each_in_lanes<S: Simd>(
 }
 
 /// Makes patches of up to eight triangles; one bit a lane for those that
-/// are curved by the rule that the surface asks for.
+/// are curved by the surface's own rule.
 #[inline(always)]
 fn make<S: Simd>(
     simd: S,
@@ -263,7 +263,7 @@ mod tests {
     fn lanes_make_what_is_made_alone() {
         let mut random = Random(31);
         let triangles = triangles(&mut random);
-        let (mut curved, mut apart) = (0, 0);
+        let (mut curved, mut differ) = (0, 0);
         for surface in Surface::ALL {
             for straight in 0..8 {
                 let flags = (0..3).filter(|k| straight & 1 << k != 0);
@@ -277,7 +277,7 @@ mod tests {
                         if fuses(level) {
                             assert_eq!(bits(&built), bits(&alone), "{:?}", triangles[n]);
                         } else {
-                            apart += u32::from(!is_near(&built, &alone));
+                            differ += u32::from(!is_near(&built, &alone));
                         }
                         curved += u32::from(built.packed.kind() == PatchKind::Curved);
                     });
@@ -285,9 +285,9 @@ mod tests {
                 }
             }
         }
-        println!("{apart} apart where lanes round twice");
+        println!("{differ} differ where lanes round twice");
         assert!(curved > 30_000, "{curved}");
-        assert!(apart * 500 < curved, "{apart} of {curved}");
+        assert!(differ * 500 < curved, "{differ} of {curved}");
     }
 
     #[test]

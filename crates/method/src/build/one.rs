@@ -15,7 +15,7 @@ use crate::patch::{
 use crate::store::{PackedPatch, pack_unevenness, unpack_unevenness};
 
 impl<S: Scalar> Patch<S> {
-    /// What is kept of the patch, and its box.
+    /// The packed patch and its box.
     pub(crate) fn built(
         positions: [Vector<S>; 3],
         normals: [Vector<S>; 3],
@@ -43,8 +43,8 @@ impl<S: Scalar> Patch<S> {
                 }
                 patch.slab = net.slab();
                 if !flags.is_unchecked() {
-                    let kept = pack_unevenness(patch.unevenness(&normals));
-                    patch.unevenness = S::from_f64(unpack_unevenness(kept).into());
+                    let packed = pack_unevenness(patch.unevenness(&normals));
+                    patch.unevenness = S::from_f64(unpack_unevenness(packed).into());
                 }
                 Some(net)
             }
@@ -105,7 +105,7 @@ impl<S: Scalar> Patch<S> {
         Ok(checks.net.corrected(self))
     }
 
-    /// As [`Patch::checks`]; asked for twice, but there once.
+    /// As [`Patch::checks`]; called in two places, but compiled once.
     #[inline(never)]
     fn look(&self) -> SurfaceChecks<S> {
         self.checks()

@@ -22,8 +22,8 @@ pub(crate) fn shears<S: Constant>(patch: &Patch<S>) -> S::Mask {
     let most = least * least.constant(8.0 * MAX_SHEAR);
     let mut runs = least.mask(true);
     each!(|k| {
-        let apart = patch.mean_bend(k) - patch.mean_bend(next(k));
-        runs = runs & apart.abs().less(most);
+        let difference = patch.mean_bend(k) - patch.mean_bend(next(k));
+        runs = runs & difference.abs().less(most);
     });
     !runs
 }
@@ -68,9 +68,9 @@ fn stands_on_edge<S: Constant>(patch: &Patch<S>, k: usize) -> S::Mask {
         let lift =
             (one - along) * end_lift(patch, k, 0, along) + along * end_lift(patch, k, 1, along);
         let near_first = along.at_most(centroid);
-        let room =
+        let limit =
             S::select(near_first, rise(0), rise(1)) / S::select(near_first, one - along, along);
-        stands = stands & (edge.tilt * lift).less(most * room);
+        stands = stands & (edge.tilt * lift).less(most * limit);
     }
     stands
 }

@@ -83,9 +83,9 @@ impl<S: Constant> Patch<S> {
         let along = above_m.mul_add(foot, above_j);
         let held = along.greater(zero).lesser(one);
         let limit = self.median(held, choice);
-        let room = limit - shift;
-        let open = zero.less(room);
-        let share = V::select(open, above_m - shift, zero) / V::select(open, room, one);
+        let gap = limit - shift;
+        let open = zero.less(gap);
+        let share = V::select(open, above_m - shift, zero) / V::select(open, gap, one);
         let share = share.lesser(one);
         let mut b_m = share * limit;
         let mut b_j = held.less_product(b_m, foot);

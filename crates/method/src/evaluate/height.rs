@@ -100,10 +100,10 @@ impl<S: Constant> Patch<S> {
         let (j, k) = (next(i), next(next(i)));
         let (to_j, to_k) = (&self.edges[i], &self.edges[k]);
         let lanes = distance2.value();
-        let aside = b[j].times(lanes.splat(self.area2));
+        let sideways = b[j].times(lanes.splat(self.area2));
         let ahead = b[k].times(lanes.splat(to_k.length2))
             + b[j].times(lanes.splat(self.vertices[i].between));
-        let share = aside
+        let share = sideways
             .atan2(ahead)
             .times(lanes.splat(self.vertices[i].inverse_angle));
         let (at_j, at_k) = (to_j.bend[0] / to_j.length2, to_k.bend[1] / to_k.length2);

@@ -38,7 +38,7 @@ impl<V: Real> Bracket<V> {
 /// Samples up to `parts` equal parts; where three consecutive samples of one sign lie on a parabola
 /// that comes near to zero, it looks there, which finds the two close roots of a grazing ray. Where
 /// there is none, an end counts as one at which the function is as near to zero as `ends` say. `f`
-/// is told the lanes whose value matters. `samples` are its values at the parts' ends where those
+/// is given the lanes whose value matters. `samples` are its values at the parts' ends where those
 /// are known already.
 #[inline(always)]
 pub(crate) fn first_root<V: Real>(
@@ -92,8 +92,8 @@ pub(crate) fn first_root<V: Real>(
     }
     let found = bracket.found;
     let mut root = chandrupatla(f, bracket, [tolerance, noise], found);
-    for ((at, value), room) in [(zero, first), middle].into_iter().zip(ends) {
-        root.or_end(at, value.abs(), alive & value.abs().at_most(room));
+    for ((at, value), tolerance) in [(zero, first), middle].into_iter().zip(ends) {
+        root.or_end(at, value.abs(), alive & value.abs().at_most(tolerance));
     }
     root
 }
@@ -111,7 +111,7 @@ impl<V: Real> Root<V> {
 }
 
 /// Looks between three consecutive samples of one sign for a change of sign that they miss: a
-/// parabola through them tells where the function comes nearest to zero, and each look there makes
+/// parabola through them says where the function comes nearest to zero, and each look there makes
 /// the next parabola narrower.
 #[inline(always)]
 fn probe_minimum<V: Real>(

@@ -1,4 +1,4 @@
-//! What is asked of a patch one ray or one place at a time.
+//! Entry points for one ray or one place at a time.
 //!
 //! These functions are not generic in the end: [`Precision`] is implemented for `f32` and for `f64` in this
 //! package, so that the kernel is compiled here once and not again in each package that calls it. For `f32`
@@ -96,7 +96,7 @@ impl<S: Precision> Patch<S> {
     }
 
     /// A box that contains the surface, in the units and axes of the positions: lower and upper
-    /// corner. It is the tight one or the sphere's, as [the flags](PatchFlags::with_bounds) ask for.
+    /// corner. It is the tight one or the sphere's, by [the flags](PatchFlags::with_bounds).
     /// Conservative, rounding included; empty (`lower > upper`) for a degenerate triangle.
     pub fn bounds(&self) -> [Vector<S>; 2] {
         S::patch_bounds(self)

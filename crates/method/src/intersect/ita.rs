@@ -12,7 +12,7 @@ use crate::numbers::Real;
 /// No change of sign after the last step is a miss.
 ///
 /// `sampler` may know the function at the ends of all parts of a step, of its start and the width of a
-/// part; they are then not asked for one by one.
+/// part; they are then not evaluated one by one.
 #[inline(always)]
 pub(crate) fn first_root<V: Real>(
     mut f: impl FnMut(V, V::Mask) -> V,

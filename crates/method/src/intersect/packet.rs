@@ -34,15 +34,15 @@ pub struct HitLanes {
     pub u: [f32; MAX_LANES],
     /// `b3` at the guides' feet.
     pub v: [f32; MAX_LANES],
-    /// The surface's own geometric normals, unit, x, y and z; only where asked for.
+    /// The surface's own geometric normals, unit, x, y and z; only where requested.
     pub normal: [[f32; MAX_LANES]; 3],
     /// How often the surface was evaluated, the sum over the lanes.
     pub evaluations: u32,
 }
 
-/// What is asked of a packet.
+/// What is requested of a packet.
 #[derive(Clone, Copy, Debug)]
-struct Requested {
+struct Request {
     valid: u32,
     solver: Solver,
     normals: bool,
@@ -80,7 +80,7 @@ impl PackedTriangle<'_> {
     ) -> HitLanes {
         assert!(rays.tnear.len() <= MAX_LANES, "a packet has up to 16 rays");
         let there = u32::MAX >> (u32::BITS as usize - MAX_LANES) >> (MAX_LANES - rays.tnear.len());
-        let asked = Requested {
+        let request = Request {
             // The lanes of a register beyond the packet hold no ray.
             valid: valid & there,
             solver,
@@ -95,7 +95,7 @@ impl PackedTriangle<'_> {
             evaluations: 0,
         };
         // Laid out within, so that the level's instructions serve that as well.
-        dispatch!(level, simd => trace(simd, self, rays, asked, &mut hits));
+        dispatch!(level, simd => trace(simd, self, rays, request, &mut hits));
         hits
     }
 
@@ -150,14 +150,14 @@ fn trace<S: Simd>(
     simd: S,
     triangle: &PackedTriangle<'_>,
     rays: &RayLanes<'_>,
-    asked: Requested,
+    request: Request,
     hits: &mut HitLanes,
 ) {
     let frame = triangle.frame();
     let clip_volume = triangle.clip_volume(frame.as_ref());
     let mut patch = None;
     for first in (0..rays.tnear.len()).step_by(S::f32s::LEN) {
-        let valid = S::mask32s::from_bitmask(simd, u64::from(asked.valid >> first));
+        let valid = S::mask32s::from_bitmask(simd, u64::from(request.valid >> first));
         let ray = load_ray(simd, rays, first);
         let interval = clip_volume.clip(&ray, LaneMask(valid));
         if interval.is_empty() {
@@ -167,14 +167,14 @@ fn trace<S: Simd>(
             #[inline(always)]
             || triangle.unpack_surface(frame.as_ref()),
         );
-        let hit = match asked.solver {
-            Solver::Ita { .. } => patch.intersect_clipped(&interval, &ray, asked.solver),
+        let hit = match request.solver {
+            Solver::Ita { .. } => patch.intersect_clipped(&interval, &ray, request.solver),
             Solver::Bracketing { .. } => patch.intersect_with_search(
                 &interval,
                 &ray,
-                asked.solver,
+                request.solver,
                 #[inline(always)]
-                |segment| search_lanes(simd, patch, &segment, asked.solver),
+                |segment| search_lanes(simd, patch, &segment, request.solver),
             ),
         };
         hits.evaluations += hit.evaluations;
@@ -186,7 +186,7 @@ fn trace<S: Simd>(
         hit.t.store(&mut hits.t, first);
         hit.u.store(&mut hits.u, first);
         hit.v.store(&mut hits.v, first);
-        if asked.normals {
+        if request.normals {
             let normal = patch.geometric_normal(hit.u, hit.v);
             normal.x.store(&mut hits.normal[0], first);
             normal.y.store(&mut hits.normal[1], first);

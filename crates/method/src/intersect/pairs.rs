@@ -1,5 +1,5 @@
 //! A packet's rays against the patches of a block: each lane a ray and a patch of its own, so that the lanes
-//! are full however many patches a packet's rays come by.
+//! are full however few rays of a packet may hit each patch.
 
 use fearless_simd::{Level, dispatch, prelude::*};
 
@@ -15,7 +15,7 @@ use crate::numbers::{
 };
 use crate::store::PatchBlock;
 
-/// Most pairs of a ray and a patch, with room for a last register's lanes.
+/// Most pairs of a ray and a patch; and the lanes of a last register.
 const PAIRS: usize = PATCHES * MAX_LANES + MAX_LANES;
 /// Words of one bit a pair.
 const WORDS: usize = PAIRS.div_ceil(u64::BITS as usize);
@@ -23,7 +23,7 @@ const WORDS: usize = PAIRS.div_ceil(u64::BITS as usize);
 const RAY_NUMBERS: usize = Ray::<f32>::COUNT;
 /// Of fewer pairs than this each is searched alone, its samples in the lanes.
 const MIN_SEARCHED: u32 = 3;
-/// The hits of a packet's rays on the patches of a block, and room to find them.
+/// The hits of a packet's rays on the patches of a block, and the working memory to find them.
 #[derive(Clone, Debug)]
 pub struct PairHits {
     count: usize,
@@ -59,7 +59,7 @@ pub struct PairHit {
     pub u: f32,
     /// `b3` at the guide's foot.
     pub v: f32,
-    /// The surface's own geometric normal, unit; only where asked for.
+    /// The surface's own geometric normal, unit; only where requested.
     pub normal: Vector<f32>,
 }
 
@@ -101,10 +101,10 @@ impl PairHits {
 
 impl PatchBlock {
     /// The first hits with `tnear < t <= tfar` of the rays of `lanes` (one bit a lane) with each patch that
-    /// is laid out, with the surface's normals there if `normals`.
+    /// is unpacked, with the surface's normals there if `normals`.
     ///
     /// Every answer is bit for bit that of [`Patch::intersect`] and [`Patch::normal_at`] for the ray and
-    /// the patch alone. Lanes that are not asked for may hold anything.
+    /// the patch alone. Lanes that are not requested may hold anything.
     ///
     /// # Panics
     /// If the slices differ in length, or there are more than 16 rays.
@@ -159,11 +159,11 @@ impl PatchBlock {
             }
             let there = u64::MAX >> (64 - (width - first));
             for (n, &lanes) in lanes.iter().enumerate() {
-                let asked = u64::from(lanes >> first) & there;
-                if asked == 0 || self.unpacked() & 1 << n == 0 {
+                let requested = u64::from(lanes >> first) & there;
+                if requested == 0 || self.unpacked() & 1 << n == 0 {
                     continue;
                 }
-                let valid = LaneMask(S::mask32s::from_bitmask(simd, asked));
+                let valid = LaneMask(S::mask32s::from_bitmask(simd, requested));
                 let interval = self.clip_volume(n).clip(&ray, valid);
                 let alive = interval.alive.0.to_bitmask();
                 if alive == 0 {

@@ -3,7 +3,7 @@
 //!
 //! The paraboloid goes through the three vertices and near to the edges' curves. Its height under a ray is a
 //! quadratic, so that the ray has one turn, where it goes over from coming nearer to going off, or the other
-//! way round. The surface's slope is off the paraboloid's by no more than what is kept of the patch, so the
+//! way round. The surface's slope is off the paraboloid's by no more than the unevenness in the packed patch, so the
 //! ray's turns over the surface lie close to that one, and before and behind them it crosses the surface
 //! once at the most.
 
@@ -91,14 +91,14 @@ impl<S: Constant> Patch<S> {
         [c0, c1, c2]
     }
 
-    /// What the paraboloid tells of rays.
+    /// The course of rays over the paraboloid.
     #[inline(always)]
     fn course<V: Real<Scalar = S>>(&self, segment: &Segment<V>) -> Course<V> {
         let [c0, c1, c2] = self.over_paraboloid(segment);
         let length = segment.length;
         let (zero, one) = (length.zero(), length.one());
         let uneven = length.splat(self.unevenness);
-        let room = uneven.mul_add(length.constant(HEIGHT), segment.exit_tolerance);
+        let tolerance = uneven.mul_add(length.constant(HEIGHT), segment.exit_tolerance);
         let twice = c2 + c2;
         let bent = zero.less(twice.abs());
         let per_twice = one / V::select(bent, twice, one);
@@ -113,7 +113,7 @@ impl<S: Constant> Patch<S> {
             nearest: turn.greater(zero).lesser(length),
             length,
             doubt: uneven * segment.speed,
-            tolerances: [room; 3],
+            tolerances: [tolerance; 3],
             drift: zero,
         }
     }
@@ -149,7 +149,7 @@ impl<V: Real> Course<V> {
         self.c2.mul_add(at, self.c1).mul_add(at, self.c0)
     }
 
-    /// Whether one evaluation of F may tell more.
+    /// Whether one evaluation of F may decide more.
     #[inline(always)]
     fn is_measurable(&self) -> V::Mask {
         self.doubt.less(self.doubt.constant(f64::INFINITY))
@@ -175,7 +175,7 @@ impl<V: Real> Course<V> {
     fn turning(&self, end: V) -> Turning<V> {
         let (length, doubt) = (self.length, self.doubt);
         let zero = length.zero();
-        let [start_tolerance, room, end_tolerance] = self.tolerances;
+        let [start_tolerance, tolerance, end_tolerance] = self.tolerances;
         let twice = self.c2 + self.c2;
         let half = doubt * self.per_twice.abs();
         let (before, after) = (self.turn - half, self.turn + half);
@@ -189,10 +189,10 @@ impl<V: Real> Course<V> {
         let back = (pull * self.per_twice.abs()).lesser(furthest);
         let first = back * pull.less_product(self.c2.abs(), back);
         let second = half * doubt.mul_add(length.half(), self.drift);
-        let sure = (room + V::select(off, first, second)).less(there.abs());
+        let sure = (tolerance + V::select(off, first, second)).less(there.abs());
         let crossed = inlined(
             #[inline(always)]
-            |height: V, room: V| !(zero.less(height * there) & room.less(height.abs())),
+            |height: V, tolerance: V| !(zero.less(height * there) & tolerance.less(height.abs())),
         );
         Turning {
             before,
@@ -215,7 +215,7 @@ impl<V: Real> Course<V> {
         let end = self.height(length);
         // One way all along.
         let even = zero.less(c1 * end_slope) & doubt.less(c1.abs()) & doubt.less(end_slope.abs());
-        let apart = even
+        let separate = even
             & zero.less(c0 * end)
             & start_tolerance.less(c0.abs())
             & end_tolerance.less(end.abs());
@@ -240,8 +240,8 @@ impl<V: Real> Course<V> {
         let at = -(c0 + c0) / V::select(open, sum, one);
         let at = V::select(open, at, from).greater(from).lesser(to);
         Stretch {
-            single: (even & !apart) | sooner | second,
-            clear: apart | (turns & !sooner & !later),
+            single: (even & !separate) | sooner | second,
+            clear: separate | (turns & !sooner & !later),
             from,
             to,
             none_later: even | second,

@@ -146,10 +146,10 @@ impl<S: Constant> Patch<S> {
             let root = self.first_root(&segment, solver, sampler, &mut hit.evaluations);
             // Far off the surface the inverse of the guide field can jump, and F with it, past zero:
             // no root.
-            let met = root.value.at_most(
+            let near_zero = root.value.at_most(
                 segment.stray_tolerance + segment.exit_tolerance + segment.steps(root.width),
             );
-            let true_root = self.verify(&segment, root.at, root.found & met, &mut hit);
+            let true_root = self.verify(&segment, root.at, root.found & near_zero, &mut hit);
             hit.found = hit.found | true_root;
             segment.alive = root.found & !true_root;
             if !segment.alive.any() {
@@ -278,7 +278,7 @@ impl<S: Constant> Patch<S> {
         hit: &mut Hit<V>,
     ) -> V::Mask {
         let noise = self.noise(segment);
-        // Not the coarser tolerance of rays from afar: the room for a doubtful slope grows with it.
+        // Not the coarser tolerance of rays from afar: the error of a doubtful slope grows with it.
         let close = [noise / segment.speed, noise];
         let crossing = stretch.crossing(segment, single, close, f);
         hit.found = self.verify(segment, crossing.at, crossing.found, hit);
@@ -297,9 +297,11 @@ impl<S: Constant> Patch<S> {
         let (above, z) = (segment.projection(at), segment.z(at));
         let foot = self.foot_under(above, z);
         let ([u, v], moved) = self.moved_inside(foot.b, found);
-        let room = segment.stray_tolerance;
-        let on_guide = self.strayed2(&foot, above, z).at_most(room * room);
-        let true_root = found & on_guide & moved.at_most(room * room.constant(BESIDE));
+        let tolerance = segment.stray_tolerance;
+        let on_guide = self
+            .strayed2(&foot, above, z)
+            .at_most(tolerance * tolerance);
+        let true_root = found & on_guide & moved.at_most(tolerance * tolerance.constant(BESIDE));
         hit.t = V::select(true_root, segment.start + at, hit.t);
         hit.u = V::select(true_root, u, hit.u);
         hit.v = V::select(true_root, v, hit.v);
@@ -330,7 +332,7 @@ impl<S: Constant> Patch<S> {
         let lanes = b[0];
         let (zero, one) = (lanes.zero(), lanes.one());
         // The first is what the other two leave: on the way of a ray from very far away all three are
-        // rounded apart, and it is those two that are told.
+        // rounded differently, and those two are what is reported.
         let b = [one - b[1] - b[2], b[1], b[2]];
         let floor = lanes.constant(-MAX_OUTSIDE);
         // What is no number at all is not inside.

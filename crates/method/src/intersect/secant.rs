@@ -172,8 +172,8 @@ mod tests {
                 hits += u32::from(hit.found);
                 evaluations += hit.evaluations;
                 // Rounding of the height moves the hit of a ray at a grazing angle further.
-                let apart = (hit.t - other.t).abs();
-                let same = !hit.found || apart < 2e-5 || apart * stretch.slope < 1e-6;
+                let difference = (hit.t - other.t).abs();
+                let same = !hit.found || difference < 2e-5 || difference * stretch.slope < 1e-6;
                 differ += u32::from(hit.found != other.found || !same);
             }
         }

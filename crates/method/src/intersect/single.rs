@@ -1,5 +1,5 @@
-//! One ray at one curved triangle: laid out and clipped with the three edges in SIMD lanes. Most such rays
-//! miss, and there is nothing but this to tell them so.
+//! The clip of one ray at one curved triangle, with the three edges in SIMD lanes. Most single rays miss, and
+//! this is all that is computed for them.
 
 use fearless_simd::{f32x4, prelude::*, u8x16};
 

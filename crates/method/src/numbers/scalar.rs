@@ -300,7 +300,7 @@ macro_rules! scalar {
             }
             #[inline(always)]
             fn per_power_of_two(self) -> Self {
-                // Exponents are kept with the bias added, which the exponent of one is: 0 turned round.
+                // Exponents are stored with the bias added, which the exponent of one is: 0 turned round.
                 $float::from_bits((2 * $float::to_bits(1.0)).wrapping_sub(self.to_bits()))
             }
         }
@@ -347,8 +347,8 @@ const ARC_TANGENT: [f64; 9] = [
 pub(crate) fn atan2<V: Real>(y: V, x: V) -> V {
     use std::f64::consts::{FRAC_PI_2, PI};
     let (zero, one) = (x.zero(), x.one());
-    let (ahead, aside) = (x.abs(), y.abs());
-    let (near, far) = (ahead.lesser(aside), ahead.greater(aside));
+    let (ahead, sideways) = (x.abs(), y.abs());
+    let (near, far) = (ahead.lesser(sideways), ahead.greater(sideways));
     let ratio = near / V::select(zero.less(far), far, one);
     let square = ratio * ratio;
     let [first, rest @ ..] = ARC_TANGENT;
@@ -357,7 +357,7 @@ pub(crate) fn atan2<V: Real>(y: V, x: V) -> V {
         sum = sum.mul_add(square, x.constant(c));
     }
     let angle = ratio * sum;
-    let angle = V::select(ahead.less(aside), x.constant(FRAC_PI_2) - angle, angle);
+    let angle = V::select(ahead.less(sideways), x.constant(FRAC_PI_2) - angle, angle);
     let angle = V::select(x.less(zero), x.constant(PI) - angle, angle);
     V::select(y.less(zero), -angle, angle)
 }

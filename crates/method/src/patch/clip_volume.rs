@@ -3,7 +3,7 @@
 use super::sphere::Sphere;
 use crate::numbers::{Constant, Cursor, Fields, Vector, vector};
 
-/// A half-space that the surface lies in, with room for rounding. Nothing is normalised: only the
+/// A half-space that the surface lies in, rounding included. Nothing is normalised: only the
 /// sign counts, and where it changes along a ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct HalfSpace<S> {
@@ -21,7 +21,7 @@ pub(crate) struct ClipVolume<S> {
     pub(crate) origin: Vector<S>,
     pub(crate) unit: S,
     pub(crate) planes: [HalfSpace<S>; 5],
-    /// In the slab's place, where it was asked for.
+    /// In the slab's place, where it was requested.
     pub(crate) sphere: Option<Sphere<S>>,
     /// Twice the area, of a flat triangle that is [thin](super::frame::THIN).
     pub(crate) thin: Option<S>,

@@ -1,4 +1,4 @@
-//! What a patch knows of its plane and its edges, laid out from a triangle's frame: with as few
+//! What a patch knows of its plane and its edges, from the triangle's frame: with as few
 //! divisions and roots as there can be, and three of a kind at once, since rays wait for it.
 
 use super::cyclic::next;
@@ -100,7 +100,7 @@ pub(crate) fn edges<S: Constant>(
             normals[k].dot(edge_vector),
             normals[next(k)].dot(edge_vector),
         );
-        let kept = lanes.constant(if straight { 0.0 } else { 2.0 });
+        let twice = lanes.constant(if straight { 0.0 } else { 2.0 });
         let most = lanes.constant(0.9);
         let damping = (sums[k].dot(edge_vector).abs() * plane.per_length[k]).lesser(most);
         let damped = lanes.constant(if smooth && !straight { 4.0 } else { 0.0 });
@@ -116,7 +116,7 @@ pub(crate) fn edges<S: Constant>(
                 S::select(obtuse, one, centroid * shares[k]),
             ],
             obtuse,
-            bend: [first * kept, -(second * kept)],
+            bend: [first * twice, -(second * twice)],
             bulge: zero,
             damping: damping * damped,
             correction: [zero; 3],

@@ -1,4 +1,4 @@
-//! What a patch is told beside its three vertices: one word.
+//! What a patch is made from beside its three vertices: one word.
 
 /// Which smooth surface a curved triangle stands for.
 ///
@@ -15,7 +15,7 @@ pub enum Surface {
     /// Curvature as a quadratic form in the direction (Euler's formula), fixed by the three edges'
     /// curvatures. Normals across edges agree for practical purposes on fine meshes.
     Tensor,
-    /// `Tensor`, damped where an edge's two ends tell different curvatures, and corrected so that
+    /// `Tensor`, damped where an edge's two ends say different curvatures, and corrected so that
     /// the tangent planes of neighbours agree along their edge (C1).
     #[default]
     Smooth,
@@ -132,7 +132,7 @@ impl PatchFlags {
     pub const fn is_straight(self, edge: usize) -> bool {
         self.0 & (1 << edge) != 0
     }
-    /// Whether the triangle was told to stay flat.
+    /// Whether the triangle was requested to stay flat.
     pub const fn is_flat(self) -> bool {
         self.0 & Self::FLAT != 0
     }

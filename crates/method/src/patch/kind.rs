@@ -5,7 +5,7 @@ use super::flags::Surface;
 /// Why a triangle stays flat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FlatReason {
-    /// It was told to.
+    /// It was requested.
     Requested,
     /// Its surface lies in its plane anyway, to within rounding.
     Plane,
@@ -22,7 +22,7 @@ pub enum FlatReason {
 /// What a triangle turned out to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PatchKind {
-    /// Curved, by the surface asked for.
+    /// Curved, by the requested surface.
     Curved,
     /// Curved by the angular rule, because the curvature tensor is too wild here.
     Fallback,

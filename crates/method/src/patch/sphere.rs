@@ -12,7 +12,7 @@ impl Enlargement {
     const DROPPED: u32 = 19;
     const ONE: u32 = 1f32.to_bits();
 
-    /// The least one that is no less than this, with room for rounding; the greatest, some 60,000,
+    /// The least one that is no less than this, rounding included; the greatest, some 60,000,
     /// where there is none.
     pub(crate) fn at_least(ratio: f64) -> Self {
         if ratio <= 1.0 {

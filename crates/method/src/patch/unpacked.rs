@@ -89,7 +89,7 @@ pub struct Patch<S: Constant> {
     pub(crate) any_obtuse: bool,
     pub(crate) any_loose: bool,
     pub(crate) kind: PatchKind,
-    /// How far the surface's slope is off a paraboloid's at the most, as it is [kept](pack_unevenness).
+    /// How far the surface's slope is off a paraboloid's at the most, rounded as it is packed.
     pub(crate) unevenness: S,
 }
 
@@ -130,7 +130,7 @@ impl<S: Scalar> Patch<S> {
         self.slab.map(|z| z * self.size)
     }
 
-    /// The sphere that bounds the patch, if it was [asked](PatchFlags::with_bounds) for and the patch is
+    /// The sphere that bounds the patch, if it was [requested](PatchFlags::with_bounds) and the patch is
     /// not flat.
     pub fn sphere(&self) -> Option<&Sphere<S>> {
         self.clip_volume.sphere.as_ref()
@@ -256,7 +256,7 @@ impl<S: Constant> Patch<S> {
         patch
     }
 
-    /// Sets the angles at the vertices, which only the angular rule asks for.
+    /// Sets the angles at the vertices, which only the angular rule needs.
     #[inline(always)]
     pub(crate) fn set_angles(&mut self) {
         for vertex in &mut self.vertices {

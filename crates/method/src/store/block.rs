@@ -1,4 +1,4 @@
-//! Several patches laid out side by side, for the rays that come by any of them.
+//! Several patches unpacked side by side, for the rays that may hit any of them.
 
 use fearless_simd::{Level, dispatch, f32x8, mask32x8, prelude::*};
 
@@ -19,7 +19,7 @@ const CLIP_VOLUME: usize = ClipVolume::<f32>::COUNT;
 /// How many numbers a patch is stored in.
 const PATCH: usize = Patch::<f32>::COUNT;
 
-/// Up to eight patches, laid out for rays.
+/// Up to eight patches, unpacked for rays.
 ///
 /// ```
 /// use curvetri_method::{
@@ -62,8 +62,8 @@ pub struct PatchBlock {
 }
 
 impl PackedTriangle<'_> {
-    /// Whether a block takes the patch: it does where it is curved as asked for, without straight edges.
-    /// Of one surface all that can be are laid out alike.
+    /// Whether a block takes the patch: it does where it is curved by the requested surface, without straight edges.
+    /// All patches of a block are of one surface.
     pub fn fits_block(&self) -> bool {
         let flags = self.packed().flags();
         self.packed().kind() == PatchKind::Curved
@@ -129,7 +129,7 @@ impl PatchBlock {
         (self.unpacked, self.any_obtuse) = (0, false);
     }
 
-    /// The patches that are laid out, one bit each.
+    /// The patches that are unpacked, one bit each.
     pub fn unpacked(&self) -> u32 {
         self.unpacked
     }

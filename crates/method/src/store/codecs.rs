@@ -52,19 +52,19 @@ pub(crate) fn power_of_two(exponent: i32) -> f32 {
     f32::from_bits(((exponent + 127) as u32) << 23)
 }
 
-/// Unevenness is kept as a number with three binary digits behind the leading one, from this power of two on.
+/// Unevenness is packed as a number with three binary digits behind the leading one, from this power of two on.
 const LEAST_EXPONENT: i32 = -14;
 
-/// What is kept in place of more than can be said.
+/// The code of unevenness that is not known, or beyond the greatest.
 pub(crate) const UNKNOWN: u8 = u8::MAX;
 
-/// The bits of a single that are not kept.
+/// The low bits of an `f32` that are dropped.
 const DROPPED: u32 = 20;
 
-/// What is kept of the least number, unshifted.
+/// The code of the least number, before it is counted from zero.
 const LEAST: u32 = ((127 + LEAST_EXPONENT) as u32) << 3;
 
-/// Unevenness as it is kept, not less than it is.
+/// The code of unevenness; rounded up.
 pub(crate) fn pack_unevenness<S: Scalar>(unevenness: S) -> u8 {
     let single = unevenness.to_f64() as f32;
     // No number fails the comparison.
@@ -78,13 +78,13 @@ pub(crate) fn pack_unevenness<S: Scalar>(unevenness: S) -> u8 {
     steps.min(UNKNOWN.into()) as u8
 }
 
-/// Unevenness from what is kept.
+/// Unevenness from its code.
 #[inline(always)]
-pub(crate) fn unpack_unevenness(kept: u8) -> f32 {
-    if kept == UNKNOWN {
+pub(crate) fn unpack_unevenness(code: u8) -> f32 {
+    if code == UNKNOWN {
         return f32::INFINITY;
     }
-    f32::from_bits((u32::from(kept) + LEAST) << DROPPED)
+    f32::from_bits((u32::from(code) + LEAST) << DROPPED)
 }
 
 #[cfg(test)]

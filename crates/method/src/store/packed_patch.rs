@@ -1,4 +1,4 @@
-//! What is kept of a patch, in half a cache line.
+//! The packed form of a patch, in half a cache line.
 
 use super::codecs::{UNKNOWN, pack_unevenness, power_of_two, unpack_unevenness};
 use crate::numbers::Scalar;
@@ -23,10 +23,7 @@ pub struct PackedPatch {
     pub(crate) enlargement: Enlargement,
 }
 
-const _: () = assert!(
-    size_of::<PackedPatch>() == 32,
-    "what is kept of a triangle has grown"
-);
+const _: () = assert!(size_of::<PackedPatch>() == 32, "a packed patch has grown");
 
 /// Every kind; a record holds the place in this list.
 const KINDS: [PatchKind; 9] = [
@@ -205,7 +202,7 @@ mod tests {
             let flags = PatchFlags::new(surface);
             let patch = Patch::new(positions, normals, flags);
             let again = Patch::unpack(positions, normals, &patch.pack(flags));
-            // The angles at the vertices are set where the rule asks for them.
+            // The angles at the vertices are set where the rule needs them.
             assert_eq!((patch.kind, patch.rule), (again.kind, again.rule));
             assert_eq!(patch.slab, again.slab);
             assert_eq!(format!("{:?}", patch.edges), format!("{:?}", again.edges));
