@@ -52,8 +52,8 @@ impl PackedTriangle<'_> {
     /// The first hits with `tnear < t <= tfar` of the lanes of `valid` (one bit a lane), with the
     /// surface's normals there if `normals`.
     ///
-    /// Every lane's answer is bit for bit that of [`Patch::intersect`](super::Patch::intersect) and
-    /// [`Patch::normal_at`](super::Patch::normal_at) for its ray alone. Lanes that are not valid may
+    /// Every lane's answer is bit for bit that of [`Patch::intersect`](crate::Patch::intersect) and
+    /// [`Patch::normal_at`](crate::Patch::normal_at) for its ray alone. Lanes that are not valid may
     /// hold anything.
     ///
     /// # Panics
@@ -102,7 +102,7 @@ impl PackedTriangle<'_> {
     /// Where the ray first meets the surface with `tnear < t <= tfar`, and the surface's normal there
     /// if `normal`, else zeros.
     ///
-    /// The answer is bit for bit that of [`Patch::intersect`] and [`Patch::normal_at`], but for the count
+    /// The answer is bit for bit that of [`Patch::intersect`](crate::Patch::intersect) and [`Patch::normal_at`](crate::Patch::normal_at), but for the count
     /// of evaluations: a ray that may meet the surface several times has it sampled in many places at
     /// once, also in those beyond the first root.
     pub fn intersect(

@@ -103,7 +103,7 @@ impl PatchBlock {
     /// The first hits with `tnear < t <= tfar` of the rays of `lanes` (one bit a lane) with each patch that
     /// is unpacked, with the surface's normals there if `normals`.
     ///
-    /// Every answer is bit for bit that of [`Patch::intersect`] and [`Patch::normal_at`] for the ray and
+    /// Every answer is bit for bit that of [`Patch::intersect`](crate::Patch::intersect) and [`Patch::normal_at`](crate::Patch::normal_at) for the ray and
     /// the patch alone. Lanes that are not requested may hold anything.
     ///
     /// # Panics
