@@ -221,6 +221,7 @@ impl BuiltNumbers<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numbers::assert_counted;
     use crate::tests::{Random, fuses, rounded};
 
     fn triangles(random: &mut Random) -> Vec<TriangleVertices> {
@@ -257,6 +258,11 @@ mod tests {
         let ends = |built: &BuiltPatch| built.bounds.map(Vector::to_array).concat();
         let near = |(a, b): (f32, f32)| a.to_bits() == b.to_bits() || (a - b).abs() < 1e-5;
         one.packed.kind() == other.packed.kind() && ends(one).into_iter().zip(ends(other)).all(near)
+    }
+
+    #[test]
+    fn what_is_built_shows_as_many_numbers_as_it_says() {
+        assert_counted(BuiltNumbers::blank());
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! The surface at a place: guide, height and point.
+//! The surface at a place: the `guide` (section 4.3), the `height` along it (33), and the `point` with its
+//! tangents and normal.
 
 mod guide;
 mod height;

@@ -1,4 +1,7 @@
-//! Where rays meet a patch.
+//! Where rays meet a patch. A ray is clipped (`clip`, and `single` for one ray alone), the rest of its way is a
+//! `segment`, and the `paraboloid` says where it may cross the surface. A single crossing is found by the
+//! `secant` method; otherwise `search` looks for the roots by `bracketing` or by the paper's `ita`.
+//! `packet` and `pairs` are the same for many rays in SIMD lanes, `entry` for one.
 
 mod bracketing;
 mod clip;

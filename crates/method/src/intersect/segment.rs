@@ -286,3 +286,15 @@ impl<V: Real> Segment<V> {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::assert_counted;
+
+    #[test]
+    fn segments_and_rays_show_as_many_numbers_as_they_say() {
+        assert_counted(Segment::from_numbers(&[0.0; SEGMENT_NUMBERS], true));
+        assert_counted(Ray::blank(0.0));
+    }
+}

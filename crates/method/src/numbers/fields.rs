@@ -90,3 +90,26 @@ impl<V: Real, const N: usize> Cursor<V> for Read<'_, V, N> {
         self.next += 1;
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    struct Count(usize);
+
+    impl<V: Real> Cursor<V> for Count {
+        fn number(&mut self, _: &mut V) {
+            self.0 += 1;
+        }
+        fn truth(&mut self, _: &mut V::Mask) {
+            self.0 += 1;
+        }
+    }
+
+    /// Checks that a struct shows as many numbers as it says.
+    pub fn assert_counted<F: Fields<f32>>(mut of: F) {
+        let mut count = Count(0);
+        of.visit(&mut count);
+        assert_eq!(count.0, F::COUNT);
+    }
+}

@@ -1,4 +1,5 @@
-//! Numbers that the kernel is written over.
+//! Numbers that the kernel is written over: scalars and SIMD lanes (`scalar`, `lanes`, `pair_lanes`), vectors,
+//! derivatives (`jet`, `dual`), intervals; and the cursor between structs and columns (`fields`).
 
 #[macro_use]
 mod scalar;
@@ -14,6 +15,8 @@ mod set_bits;
 mod vector;
 
 pub use dual::Dual;
+#[cfg(test)]
+pub(crate) use fields::tests::assert_counted;
 pub(crate) use fields::{Cursor, Fields, from_array, to_array};
 pub(crate) use interval::Interval;
 pub use jet::{Jet, Quadratic};

@@ -1,4 +1,7 @@
-//! What is known of one curved triangle: data alone.
+//! What is known of one curved triangle: data, and what follows from the vertices by plain geometry.
+//!
+//! The vertices give the `triangle_frame`, which gives the `plane` and each `edge`; together they are the
+//! `unpacked` patch. `flags` are what it is made from beside the vertices, `kind` what it turned out to be.
 
 mod choice;
 mod clip_volume;

@@ -229,3 +229,20 @@ impl PatchBlock {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numbers::assert_counted;
+
+    #[test]
+    fn structs_show_as_many_numbers_as_they_say() {
+        assert_counted(Patch::empty(vector(0.0f32, 0.0, 0.0)));
+        assert_counted(ClipVolume::empty(vector(0.0f32, 0.0, 0.0)));
+        assert_counted(Source {
+            outline: VerticesAndSlab::blank(0.0),
+            correction: [[0.0; 3]; 3],
+            unevenness: 0.0,
+        });
+    }
+}

@@ -1,4 +1,6 @@
-//! How triangles are stored: packed one by one, and unpacked side by side.
+//! How triangles are stored. `packed_patch` is the one packed form, 32 bytes; with the vertices it is a
+//! `packed_triangle`, and `unpack` gives the patch back. A `block` holds eight unpacked patches side by side in
+//! `columns`. `codecs` round numbers to what the packed form holds.
 
 mod block;
 mod codecs;
