@@ -9,8 +9,8 @@ use std::sync::Arc;
 use curvetri::curved::{CurvedMesh, CurvedOptions};
 use curvetri::embree::{Device, Geometry, GeometryBuilder, SceneBuilder};
 use curvetri::mesh::{Mesh, Topology};
-use curvetri::method::{BuiltPatch, PatchFlags, TriangleVertices, Vector};
 use curvetri_bodies::{SplitMix, bumpy_torus};
+use curvetri_method::{BuiltPatch, PatchFlags, TriangleVertices, Vector};
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 

@@ -1,11 +1,11 @@
 #!/bin/bash
-# Where the time of curved rays goes: samples of `curvetri bench` by the kernel's stages, as Markdown.
+# Where the time of curved rays goes: samples of `curvetri bench` by stages of the kernel, as Markdown.
 #
 #   ci/profile.sh > docs/profile.md
 #
-# Needs perf (Debian: linux-perf) and addr2line (binutils). What is inlined counts for the first stage in the
-# list below that its chain of functions names; Embree's own time, which flat triangles take as well, is left
-# out, as the samples do not tell whose it is.
+# Needs perf (Debian: linux-perf) and addr2line (binutils). A sample in inlined code counts for the first stage in
+# the list below that its chain of functions names. Embree's own time is left out: flat triangles take it as well,
+# and the samples do not say whose it is.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -20,40 +20,36 @@ trap 'rm -rf "$folder"' EXIT
 # Where the kernel puts a position-independent program whose addresses are not random.
 base=$((16#555555554000))
 
-# A function or file in a chain of inlined functions and its stage: the first that matches counts; of making a
-# mesh and its patches, nothing does.
-stages='tessellate=
-prepare=
-clusters=
-Cluster>::new=
-Cluster>::of=
-normal_at=the normal at a hit
-search=rays that may cross several times
+# A function or file in a chain of inlined functions, and its stage. The first that matches counts. What makes a
+# mesh ready has no stage and does not count.
+stages='curved/tessellate.rs=
+curved/build/=
+cluster/build.rs=
+cluster/grouping.rs=
+method/src/build/=
+normal_at=normal at a hit
+lane_search.rs=search for one of several roots
+bracketing.rs=search for one of several roots
 clearance=F of equation (44)
-crossing=steps to the root
+secant.rs=secant steps to the root
 verify=verifying a root
-stretch=what the paraboloid tells
-unclipped=the segment over a patch
-localize=the segment over a patch
-of_patches=numbers of a pair out of columns
-gather=numbers of a pair out of columns
-surface/single.rs=planes of a single ray, and its clip
-surface/hull.rs=clip to sides and slab
-curved/mod.rs=reading of triangles
-surface<=layout of a patch
-packet_met=boxes of a cluster
-curved/entries.rs=boxes of a cluster
-lay_columns=layout of a patch
-PatchBlock=layout of a patch
-::lay=layout of a patch
-trace<fearless=pairs, the rest
-trace_wide=pairs, the rest
+paraboloid.rs=paraboloid
+segment.rs=segment of a ray over a patch
+localize=segment of a ray over a patch
+of_patches=fetching the numbers of a pair
+gather=fetching the numbers of a pair
+intersect/single.rs=clip of a single ray
+intersect/clip.rs=clip to planes and slab
+curved/triangle.rs=reading triangles
+method/src/store/=unpacking patches
+ray_test.rs=boxes of a cluster
+intersect/pairs.rs=pairs, the rest
 report=reports to Embree
-intersect_at=a single ray, the rest
-curved::geometry=callback, the rest
-curvetri_embree::user=callback, the rest
-curvetri_rtc_intersect=the shim
-curvetri_rtc_occluded=the shim'
+method/src/intersect/=a single ray, the rest
+curved/query/=callback, the rest
+wrapper/embree=callback, the rest
+curvetri_rtc_intersect=C shim
+curvetri_rtc_occluded=C shim'
 
 # Of one kind of rays in one way: profile KIND WAY TRIANGLES
 profile() {
@@ -71,7 +67,7 @@ profile() {
     printf '\n## %s rays, %s: a bumpy torus of %s triangles\n\n' "$1" \
         "$([ "$2" = 1 ] && echo one by one || echo "packets $2")" "$3"
     awk '/Mray\/s on/ { told = 1 } told && ($1 == "flat" || $1 == "smooth") && NF == 3 {
-            printf "%s: %.0f ns a ray  \n", $1, 1000 / $2 }
+            printf "%s: %.0f ns per ray  \n", $1, 1000 / $2 }
         /every way/ { exit }' "$folder/bench"
     printf '\n| stage | share of the time outside Embree |\n| --- | ---: |\n'
     shares

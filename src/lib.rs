@@ -7,9 +7,10 @@
 //! | [`mesh`] | triangle meshes: reading files, vertex normals, which triangles share an edge |
 //! | [`embree`] | a safe wrapper over Embree, 3.13 or 4.3 and later, that links neither |
 //! | `linked` | the installed Embree, linked (feature `linked`, a default one): `curvetri::linked::device()` |
+//! | [`output`] | files that appear whole or not at all |
 //! | [`curved`] | a mesh as one Embree user geometry of curved triangles |
 //! | [`render`] | cameras, lights, film: pictures |
-//! | `compare` | how far two forms' pictures, outlines and normals are apart (feature `compare`) |
+//! | `compare` | how much two forms' pictures, outlines and normals differ (feature `compare`) |
 
 #![deny(missing_docs)]
 
@@ -20,12 +21,12 @@ pub use curvetri_embree as embree;
 pub use curvetri_embree_linked as linked;
 #[doc(inline)]
 pub use curvetri_mesh as mesh;
-#[doc(inline)]
-pub use curvetri_method as method;
 
 #[cfg(feature = "compare")]
 pub mod compare;
 pub mod curved;
+pub mod method;
+pub mod output;
 pub mod render;
 
 /// Compiles the Rust of README.md with the documentation's tests.

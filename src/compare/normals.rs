@@ -1,17 +1,17 @@
-//! How far normals are apart.
+//! The angles between normals.
 
 use glam::Vec3;
 
 use super::probe::Probe;
-use super::spread::Spread;
+use super::summary::Summary;
 
 /// The angles between the normals that the surfaces are lit by, in degrees, over the pixels that see
 /// both; `None` if there are none.
 ///
 /// # Panics
 /// If the probes' sizes differ.
-pub fn shading_angles(a: &Probe, b: &Probe) -> Option<Spread> {
-    spread(a.both(b).map(|(a, b)| angle(a.shading, b.shading)))
+pub(super) fn shading_angles(a: &Probe, b: &Probe) -> Option<Summary> {
+    summary(a.both(b).map(|(a, b)| angle(a.shading, b.shading)))
 }
 
 /// The angles of a geometry's own normals to the normals that the true surface is lit by, in degrees,
@@ -19,13 +19,13 @@ pub fn shading_angles(a: &Probe, b: &Probe) -> Option<Spread> {
 ///
 /// # Panics
 /// If the probes' sizes differ.
-pub fn geometric_angles(form: &Probe, truth: &Probe) -> Option<Spread> {
+pub(super) fn geometric_angles(form: &Probe, truth: &Probe) -> Option<Summary> {
     let pairs = form.both(truth);
-    spread(pairs.map(|(form, truth)| angle(form.geometric, truth.shading)))
+    summary(pairs.map(|(form, truth)| angle(form.geometric, truth.shading)))
 }
 
-fn spread(degrees: impl Iterator<Item = f64>) -> Option<Spread> {
-    Spread::of(degrees.map(|angle| [angle, 1.0]).collect())
+fn summary(degrees: impl Iterator<Item = f64>) -> Option<Summary> {
+    Summary::of(degrees.map(|angle| [angle, 1.0]).collect())
 }
 
 /// The angle between unit vectors in degrees, exact for small ones as well.

@@ -1,11 +1,11 @@
-//! Outlines in a picture, and how far they are apart.
+//! Outlines in a picture, and the distance between them.
 
 use glam::Vec2;
 use rayon::prelude::*;
 use rstar::primitives::Line;
 use rstar::{PointDistance, RTree};
 
-use super::spread::Spread;
+use super::summary::Summary;
 
 /// Halvings of the way between two pixels' middles: an outline is known to within 1/1024 pixel there.
 const HALVINGS: usize = 10;
@@ -21,7 +21,7 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// The outline of whatever is `inside`, which is told points of the picture in pixels from its
+    /// The outline of whatever is `inside`. That function gets points of the picture, in pixels from its
     /// upper left corner. What is narrower than a pixel may be missed.
     pub fn new(width: usize, height: usize, inside: impl Fn(Vec2) -> bool + Sync) -> Self {
         let middle = |n: usize| Vec2::new((n % width) as f32 + 0.5, (n / width) as f32 + 0.5);
@@ -50,15 +50,15 @@ impl Outline {
         self.segments.size() == 0
     }
 
-    /// How far the outlines are apart, in pixels: from each point of either to the nearest of the
+    /// The distance between the outlines, in pixels: from each point of either to the nearest of the
     /// other, by length. The greatest is the Hausdorff distance. `None` if there is not one of either.
-    pub fn distance(&self, other: &Self) -> Option<Spread> {
+    pub fn distance(&self, other: &Self) -> Option<Summary> {
         if self.is_empty() || other.is_empty() {
             return None;
         }
         let mut distances = self.distances_to(other);
         distances.extend(other.distances_to(self));
-        Spread::of(distances)
+        Summary::of(distances)
     }
 
     /// The distance of each segment's middle to the other outline, with the segment's length.
@@ -138,7 +138,7 @@ mod tests {
     #[test]
     fn concentric_circles_are_as_far_apart_as_their_radii_differ() {
         let distance = disc([40.2, 39.7], 30.0).distance(&disc([40.2, 39.7], 28.5));
-        let Spread { mean, p95, max } = distance.unwrap();
+        let Summary { mean, p95, max } = distance.unwrap();
         for value in [mean, p95, max] {
             assert!((value - 1.5).abs() < 0.02, "{distance:?}");
         }
@@ -163,7 +163,7 @@ mod tests {
     #[test]
     fn a_shifted_disc_is_off_by_the_shift_at_the_most_and_two_over_pi_of_it_on_average() {
         let distance = disc([40.0, 40.0], 30.0).distance(&disc([41.0, 40.0], 30.0));
-        let Spread { mean, max, .. } = distance.unwrap();
+        let Summary { mean, max, .. } = distance.unwrap();
         let expected = 2.0 / std::f64::consts::PI;
         assert!((mean - expected).abs() < 0.01, "{distance:?}");
         assert!((max - 1.0).abs() < 0.01, "{distance:?}");

@@ -1,4 +1,4 @@
-//! How far pictures are apart.
+//! The differences between pictures.
 
 use image::RgbImage;
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool, magma_lut};

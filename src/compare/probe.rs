@@ -13,12 +13,12 @@ const LANES: usize = 16;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
     width: usize,
-    seen: Vec<Option<Seen>>,
+    seen: Vec<Option<ProbedSurface>>,
 }
 
 /// What a pixel's middle shows of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct ProbedSurface {
     /// The geometry's own normal: unit, towards the viewer.
     pub geometric: Vec3,
     /// The normal that the surface is lit by: unit, on the same side.
@@ -70,12 +70,12 @@ impl Probe {
     }
 
     /// What has been seen, row by row.
-    pub(super) fn of(width: usize, seen: Vec<Option<Seen>>) -> Self {
+    pub(super) fn of(width: usize, seen: Vec<Option<ProbedSurface>>) -> Self {
         Self { width, seen }
     }
 
     /// The pixels, row by row from the top; `None` where no surface is.
-    pub fn seen(&self) -> &[Option<Seen>] {
+    pub fn seen(&self) -> &[Option<ProbedSurface>] {
         &self.seen
     }
 
@@ -83,7 +83,7 @@ impl Probe {
     pub(super) fn both<'a>(
         &'a self,
         other: &'a Self,
-    ) -> impl Iterator<Item = (&'a Seen, &'a Seen)> {
+    ) -> impl Iterator<Item = (&'a ProbedSurface, &'a ProbedSurface)> {
         self.beside(other).filter_map(|(a, b)| a.zip(b))
     }
 
@@ -91,7 +91,7 @@ impl Probe {
     pub(super) fn beside<'a>(
         &'a self,
         other: &'a Self,
-    ) -> impl Iterator<Item = (Option<&'a Seen>, Option<&'a Seen>)> {
+    ) -> impl Iterator<Item = (Option<&'a ProbedSurface>, Option<&'a ProbedSurface>)> {
         let size = |probe: &Self| (probe.width, probe.seen.len());
         assert_eq!(size(self), size(other), "probes of different sizes");
         let pairs = self.seen.iter().zip(&other.seen);
@@ -108,7 +108,7 @@ struct Probing<'a> {
 
 impl Probing<'_> {
     /// Looks through pixels of row `y`, from column `x` on.
-    fn fill(&self, pixels: &mut [Option<Seen>], x: usize, y: usize) {
+    fn fill(&self, pixels: &mut [Option<ProbedSurface>], x: usize, y: usize) {
         let mut packet = RayPacket::<LANES>::new();
         for lane in 0..pixels.len() {
             packet.set_ray(
@@ -136,7 +136,7 @@ impl Probing<'_> {
                 let start = self.scene.leaving_point(&hit, &ray, geometric);
                 shadows.set_ray(lane, &Ray::new(start, self.towards_sun));
             }
-            *pixel = Some(Seen {
+            *pixel = Some(ProbedSurface {
                 geometric,
                 shading,
                 sun: if faces { Sun::Shines } else { Sun::Behind },

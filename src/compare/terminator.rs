@@ -3,7 +3,7 @@
 use image::{Rgb, RgbImage};
 use serde::Serialize;
 
-use super::probe::{Probe, Seen, Sun};
+use super::probe::{Probe, ProbedSurface, Sun};
 
 /// What marks darkened pixels: a red that neither light nor dark surfaces have.
 const MARK: Rgb<u8> = Rgb([230, 30, 40]);
@@ -55,7 +55,7 @@ pub fn marked(picture: &RgbImage, form: &Probe, truth: &Probe) -> RgbImage {
     marked
 }
 
-fn is_darkened(form: &Seen, truth: &Seen) -> bool {
+fn is_darkened(form: &ProbedSurface, truth: &ProbedSurface) -> bool {
     truth.sun == Sun::Shines && form.sun == Sun::Blocked
 }
 
@@ -67,7 +67,7 @@ mod tests {
 
     fn probe(suns: &[Option<Sun>]) -> Probe {
         let seen = |sun: &Option<Sun>| {
-            sun.map(|sun| Seen {
+            sun.map(|sun| ProbedSurface {
                 geometric: Vec3::Z,
                 shading: Vec3::Z,
                 sun,

@@ -8,7 +8,7 @@ use super::normals::{geometric_angles, shading_angles};
 use super::outline::Outline;
 use super::pictures::{flip, rmse};
 use super::probe::Probe;
-use super::spread::Spread;
+use super::summary::Summary;
 use super::terminator::{Darkened, darkened};
 use crate::embree::QueryOptions;
 use crate::render::{CameraError, Picture, Scene};
@@ -26,7 +26,7 @@ pub struct View {
 
 /// How far what one scene shows is from what another one shows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Apart {
+pub struct Difference {
     /// [`rmse`] of the pictures.
     pub rmse: f64,
     /// The mean of [`flip`] of the pictures.
@@ -35,11 +35,11 @@ pub struct Apart {
     #[serde(skip)]
     pub flip_map: RgbImage,
     /// The outlines' distance in pixels.
-    pub outline: Option<Spread>,
+    pub outline: Option<Summary>,
     /// The angle between the normals that the surfaces are lit by, in degrees.
-    pub shading_normal: Option<Spread>,
+    pub shading_normal: Option<Summary>,
     /// The angle of the geometry's own normal to the other's shading normal, in degrees.
-    pub geometric_normal: Option<Spread>,
+    pub geometric_normal: Option<Summary>,
     /// The pixels where the sun shines on the other and that this one darkens.
     pub darkened: Darkened,
 }
@@ -83,9 +83,9 @@ impl View {
     ///
     /// # Panics
     /// If their sizes differ.
-    pub fn apart_from(&self, truth: &Self) -> Apart {
+    pub fn difference_from(&self, truth: &Self) -> Difference {
         let flip = flip(&truth.image, &self.image);
-        Apart {
+        Difference {
             rmse: rmse(&truth.image, &self.image),
             flip: flip.mean,
             flip_map: flip.map,

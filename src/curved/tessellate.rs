@@ -4,12 +4,28 @@ use fearless_simd::{Level, Simd, dispatch};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::prepare::is_plane;
-use super::{CurvedMesh, corners};
+use super::curved_mesh::CurvedMesh;
+use super::triangle::{is_flat, vertices};
 use crate::mesh::{MAX_INDICES, Mesh, MeshError, NO_TRIANGLE, Topology};
-use crate::method::{Patch, PatchKind, TriangleVertices};
+use curvetri_method::{Patch, PatchKind, TriangleVertices, Vector};
 
 /// A curved mesh cut into flat triangles: see [`CurvedMesh::tessellate`].
+///
+/// ```
+/// use std::sync::Arc;
+///
+/// use curvetri::curved::{CurvedMesh, CurvedOptions, Tessellation};
+/// use curvetri::mesh::Mesh;
+/// use glam::DVec3;
+///
+/// let corners = vec![DVec3::X, DVec3::Y, DVec3::Z];
+/// let mesh = Arc::new(Mesh::new(corners.clone(), Some(corners), vec![[0, 1, 2]])?);
+/// let curved = CurvedMesh::new(mesh, &CurvedOptions::default());
+/// let fine: Tessellation = curved.tessellate(4)?;
+/// assert_eq!((fine.level(), fine.mesh().triangles().len()), (4, 16));
+/// assert_eq!(fine.vertex(0, [4, 0]), 1); // all of the four steps towards the second corner
+/// # Ok::<(), curvetri::mesh::MeshError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Tessellation {
     mesh: Mesh,
@@ -18,8 +34,8 @@ pub struct Tessellation {
 
 /// Where the vertices of the triangles' lattices are.
 ///
-/// The coarse mesh's vertices come first. Then each triangle in turn has those within its sides, of
-/// the sides that are its own, and those within itself.
+/// The coarse mesh's vertices come first. Then each triangle in turn has those within its edges, of
+/// the edges that are its own, and those within itself.
 #[derive(Debug, Clone)]
 struct Lattices {
     level: u32,
@@ -27,16 +43,16 @@ struct Lattices {
     triangles: Vec<[u32; 3]>,
     /// The first of a triangle's own vertices.
     starts: Vec<u32>,
-    /// The first vertex within each side.
-    sides: Vec<[u32; 3]>,
+    /// The first vertex within each edge.
+    edges: Vec<[u32; 3]>,
 }
 
 impl CurvedMesh {
-    /// Cuts every side into `level` parts and every triangle into `level²` flat triangles, whose
+    /// Cuts every edge into `level` parts and every triangle into `level²` flat triangles, whose
     /// vertices lie on the curved surface and have its normals; those of the mesh keep their own.
     ///
-    /// Triangle `i` becomes the triangles from `i level²` on. Triangles that share a curved side share
-    /// its vertices. Where a side is straight both have vertices of their own in the same places, bit
+    /// Triangle `i` becomes the triangles from `i level²` on. Triangles that share a curved edge share
+    /// its vertices. Where an edge is straight both have vertices of their own in the same places, bit
     /// for bit, since the normals differ. A mesh that is closed stays closed.
     ///
     /// # Errors
@@ -45,7 +61,7 @@ impl CurvedMesh {
     /// # Panics
     /// If `level` is 0.
     pub fn tessellate(&self, level: u32) -> Result<Tessellation, MeshError> {
-        assert!(level > 0, "a side is cut into one part at the least");
+        assert!(level > 0, "an edge is cut into one part at the least");
         let coarse = self.mesh.triangles();
         let indices = 3 * coarse.len() as u64 * u64::from(level).pow(2);
         if indices > MAX_INDICES {
@@ -77,16 +93,16 @@ impl CurvedMesh {
             .into_par_iter()
             .map(|triangle| [0, 1, 2].map(|k| self.owner(topology, triangle, k).is_none()))
             .collect();
-        let within_side = level - 1;
-        let within = within_side * level.saturating_sub(2) / 2;
+        let within_edge = level - 1;
+        let within = within_edge * level.saturating_sub(2) / 2;
         let mut next = self.mesh.positions().len() as u32;
         let mut starts = Vec::with_capacity(triangles.len());
-        let mut sides = Vec::with_capacity(triangles.len());
+        let mut edges = Vec::with_capacity(triangles.len());
         for owned in &owned {
             starts.push(next);
-            sides.push([0, 1, 2].map(|k| {
+            edges.push([0, 1, 2].map(|k| {
                 let first = next;
-                next += if owned[k] { within_side } else { 0 };
+                next += if owned[k] { within_edge } else { 0 };
                 first
             }));
             next += within;
@@ -95,8 +111,8 @@ impl CurvedMesh {
             .into_par_iter()
             .map(|triangle| {
                 [0, 1, 2].map(|k| match self.owner(topology, triangle, k) {
-                    Some((owner, side)) => sides[owner][side],
-                    None => sides[triangle][k],
+                    Some((owner, edge)) => edges[owner][edge],
+                    None => edges[triangle][k],
                 })
             })
             .collect();
@@ -104,11 +120,11 @@ impl CurvedMesh {
             level,
             triangles,
             starts,
-            sides: lent,
+            edges: lent,
         }
     }
 
-    /// The neighbour that has the vertices of a triangle's side, and which of its sides that is;
+    /// The neighbour that has the vertices of a triangle's edge, and which of its edges that is;
     /// `None` if they are the triangle's own.
     fn owner(&self, topology: &Topology, triangle: usize, k: usize) -> Option<(usize, usize)> {
         let neighbour = topology.neighbours(triangle)[k];
@@ -122,16 +138,16 @@ impl CurvedMesh {
             self.mesh.triangle_positions(owner),
         );
         (0..3)
-            .find(|&side| theirs[side] == ours[(k + 1) % 3] && theirs[(side + 1) % 3] == ours[k])
-            .filter(|&side| !self.straight(topology, owner, side))
-            .map(|side| (owner, side))
+            .find(|&edge| theirs[edge] == ours[(k + 1) % 3] && theirs[(edge + 1) % 3] == ours[k])
+            .filter(|&edge| !self.straight(topology, owner, edge))
+            .map(|edge| (owner, edge))
     }
 
-    /// Whether a side is straight, or so nearly that its neighbour, being flat, has it straight.
+    /// Whether an edge is straight, or so nearly that its neighbour, being flat, has it straight.
     fn straight(&self, topology: &Topology, triangle: usize, k: usize) -> bool {
         let record = &self.records[triangle];
         let beside = self.records.get(topology.neighbours(triangle)[k] as usize);
-        record.flags().is_straight(k) || is_plane(record) || beside.is_some_and(is_plane)
+        record.flags().is_straight(k) || is_flat(record) || beside.is_some_and(is_flat)
     }
 
     /// The positions and normals of a triangle's own vertices in the order of their numbers.
@@ -145,14 +161,14 @@ impl CurvedMesh {
         let patch = self.patch(triangle as u32);
         let mut own = Vec::new();
         for k in 0..3 {
-            if lattices.sides[triangle][k] < start {
+            if lattices.edges[triangle][k] < start {
                 continue;
             }
             for part in 1..level {
-                let (position, normal) = self.at(&patch, triangle, on_side(level, k, part), level);
+                let (position, normal) = self.at(&patch, triangle, on_edge(level, k, part), level);
                 let straight = self.straight(topology, triangle, k);
                 let position = if straight {
-                    self.on_straight_side(triangle, k, part, level)
+                    self.on_straight_edge(triangle, k, part, level)
                 } else {
                     position
                 };
@@ -175,8 +191,8 @@ impl CurvedMesh {
     ) -> (Vec3, Vec3) {
         let [u, v] = [i, j].map(|n| (f64::from(n) / f64::from(level)) as f32);
         if patch.kind() == PatchKind::Degenerate {
-            let TriangleVertices { positions, normals } = corners(&self.mesh, triangle);
-            let mix = |x: [crate::method::Vector<f32>; 3]| {
+            let TriangleVertices { positions, normals } = vertices(&self.mesh, triangle);
+            let mix = |x: [Vector<f32>; 3]| {
                 let [a, b, c] = x.map(Vec3::from);
                 a * (1.0 - u - v) + b * u + c * v + Vec3::ZERO
             };
@@ -192,8 +208,8 @@ impl CurvedMesh {
         (position, normal)
     }
 
-    /// A point of a straight side: the same bits from whichever triangle it is asked.
-    fn on_straight_side(&self, triangle: usize, k: usize, part: u32, level: u32) -> Vec3 {
+    /// A point of a straight edge: the same bits for both of its triangles.
+    fn on_straight_edge(&self, triangle: usize, k: usize, part: u32, level: u32) -> Vec3 {
         let positions = self.mesh.triangle_positions(triangle);
         let (mut from, mut to, mut part) = (positions[k], positions[(k + 1) % 3], part);
         if from.to_array() > to.to_array() {
@@ -203,9 +219,9 @@ impl CurvedMesh {
     }
 }
 
-/// The place in a triangle's lattice that is so many parts along a side.
-fn on_side(level: u32, side: usize, part: u32) -> [u32; 2] {
-    match side {
+/// The place in a triangle's lattice that is so many parts along an edge.
+fn on_edge(level: u32, edge: usize, part: u32) -> [u32; 2] {
+    match edge {
         0 => [part, 0],
         1 => [level - part, part],
         _ => [0, level - part],
@@ -217,7 +233,7 @@ impl Lattices {
     fn vertex(&self, triangle: usize, [i, j]: [u32; 2]) -> u32 {
         let level = self.level;
         let along = |k: usize, part: u32| {
-            let first = self.sides[triangle][k];
+            let first = self.edges[triangle][k];
             // a neighbour that lends its vertices goes the other way
             let lent = first < self.starts[triangle];
             first + if lent { level - part } else { part } - 1
@@ -231,11 +247,11 @@ impl Lattices {
             [_, _, 0] => along(1, j),
             [0, _, _] => along(2, level - j),
             _ => {
-                let owned = (0..3).filter(|&k| self.sides[triangle][k] >= self.starts[triangle]);
-                let sides = owned.count() as u32 * (level - 1);
+                let owned = (0..3).filter(|&k| self.edges[triangle][k] >= self.starts[triangle]);
+                let edges = owned.count() as u32 * (level - 1);
                 // rows below have level - 2, level - 3, ... points within
                 let rows = (j - 1) * (2 * level - 2 - j) / 2;
-                self.starts[triangle] + sides + rows + i - 1
+                self.starts[triangle] + edges + rows + i - 1
             }
         }
     }
@@ -268,7 +284,7 @@ impl Tessellation {
         self.mesh
     }
 
-    /// Into how many parts each side was cut.
+    /// Into how many parts each edge was cut.
     #[must_use]
     pub fn level(&self) -> u32 {
         self.lattices.level
@@ -291,8 +307,8 @@ mod tests {
 
     use super::*;
     use crate::curved::CurvedOptions;
-    use crate::method::Surface;
     use curvetri_bodies::{Blob, capped_cone, capped_cylinder};
+    use curvetri_method::Surface;
 
     fn curved(mesh: Mesh, surface: Surface) -> CurvedMesh {
         let options = CurvedOptions {

@@ -5,8 +5,8 @@ use std::sync::Mutex;
 use super::scene::Scene;
 use crate::embree::{Candidate, Hit, QueryOptions, Ray, RayPacket, Traced, Width};
 
-/// Patches reach over their sides by so many times a hit's error bound: what a ray meets there is on
-/// both neighbours, which part by up to as much where they meet at a hard edge.
+/// Patches reach over their edges by so many times a hit's error bound. What a ray hits there is on both
+/// neighbours, which lie up to as far from each other where they meet at a hard edge.
 const FRINGE: f32 = 4.0;
 /// The least sine of the angle between a ray and the surface that the distance of two hits along the
 /// ray is judged by.
@@ -18,7 +18,7 @@ impl Scene {
     /// geometry offer them one by one.
     ///
     /// Neighbouring triangles overlap a little, so that no ray slips between them, and a ray through a
-    /// shared side meets both: two hits of different triangles that face the same way and whose t
+    /// shared edge hits both: two hits of different triangles that face the same way and whose t
     /// differ by no more than the [error bounds](Scene::error_bound) of both (and the overlap's width,
     /// some times that) allow count as one, the nearer. So from outside a closed body the hits are even
     /// in number and alternate front and back. Surfaces that lie upon each other, as close as that,
@@ -71,17 +71,17 @@ impl Scene {
 
     fn sort_and_merge(&self, ray: &Ray, hits: &mut Vec<Hit>) {
         // By triangle where t is the same, so that the order does not depend on the tree.
-        let place = |hit: &Hit| (self.place_of(hit), hit.prim_id);
+        let place = |hit: &Hit| (self.placement_of(hit), hit.prim_id);
         hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then_with(|| place(a).cmp(&place(b))));
-        let mut kept = 0;
+        let mut count = 0;
         for n in 0..hits.len() {
             let hit = hits[n];
-            if !hits[..kept].iter().any(|old| self.is_same(ray, old, &hit)) {
-                hits[kept] = hit;
-                kept += 1;
+            if !hits[..count].iter().any(|old| self.is_same(ray, old, &hit)) {
+                hits[count] = hit;
+                count += 1;
             }
         }
-        hits.truncate(kept);
+        hits.truncate(count);
     }
 
     /// Whether two hits of a ray are one point of the surface, seen by two triangles.
@@ -92,7 +92,7 @@ impl Scene {
         }
         let slope = slope_a.abs().min(slope_b.abs());
         let slope = slope.max(LEAST_SLOPE * ray.direction.length());
-        let room = FRINGE * (self.error_bound(a, ray) + self.error_bound(b, ray));
-        (b.t - a.t).abs() * slope <= room
+        let tolerance = FRINGE * (self.error_bound(a, ray) + self.error_bound(b, ray));
+        (b.t - a.t).abs() * slope <= tolerance
     }
 }

@@ -35,6 +35,20 @@ impl UpAxis {
 }
 
 /// A perspective camera in the user's space.
+///
+/// ```
+/// use curvetri::render::{Camera, UpAxis};
+/// use glam::DVec3;
+///
+/// let up = UpAxis::Z;
+/// let camera = Camera {
+///     eye: up.turn(DVec3::new(0.0, 1.0, 4.0)), // above and in front
+///     target: DVec3::ZERO,
+///     up: up.vector(),
+///     fov_degrees: 35.0,
+/// };
+/// assert_eq!(camera.eye, DVec3::new(0.0, -4.0, 1.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Where it is.

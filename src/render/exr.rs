@@ -1,6 +1,6 @@
 //! OpenEXR files: a picture's light as it is, and what else is known of its pixels.
 
-use std::io;
+use std::io::{self, Seek, Write};
 
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds, Layer,
@@ -8,9 +8,8 @@ use exr::prelude::{
 };
 use glam::{Vec3, Vec4};
 
-use super::aov::Aovs;
 use super::film::Film;
-use super::output::WriteSeek;
+use super::integrate::Aovs;
 
 impl Film {
     /// Writes the picture as an OpenEXR file in linear light (Rec. 709 primaries), without background,
@@ -36,7 +35,7 @@ impl Film {
     ///
     /// # Panics
     /// If the variables are those of another size of picture.
-    pub fn write_exr(&self, writer: &mut dyn WriteSeek, aovs: &Aovs) -> io::Result<()> {
+    pub fn write_exr(&self, writer: impl Write + Seek, aovs: &Aovs) -> io::Result<()> {
         let window = self.window();
         assert_eq!(aovs.depth.len(), window.count(), "those of another picture");
         let vector = |[x, y]: [usize; 2]| Vec2(x, y);

@@ -5,11 +5,12 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::place::{Instance, Place};
-use super::scene::{Scene, Shape};
+use super::placed_shape::{Instance, PlacedShape};
+use super::scene::Scene;
+use super::shape::Shape;
 use crate::curved::CurvedMesh;
 use crate::mesh::Bounds;
-use crate::method::PatchKind;
+use curvetri_method::PatchKind;
 
 /// The corners of a box of an instance's shape, in the scene's space.
 pub(super) fn placed_corners(instance: &Instance, [lower, upper]: [Vec3; 2]) -> [Vec3; 8] {
@@ -38,7 +39,7 @@ impl Scene {
     fn lowest_at(
         &self,
         number: u32,
-        Place { shape, instance }: &Place,
+        PlacedShape { shape, instance }: &PlacedShape,
         up: Vec3,
         least: f32,
         known: &mut HashMap<(usize, [i32; 3]), f32>,

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::camera::{Axes, Camera, UpAxis};
 use super::extent::placed_corners;
-use super::place::Place;
+use super::placed_shape::PlacedShape;
 use super::scene::Scene;
 use crate::mesh::Mesh;
 
@@ -89,7 +89,7 @@ impl Framing {
         let up = self.up.vector().as_vec3();
         let boxes = Boxes::of(scene);
         let bottom = |(p, radius): (Vec3, f32)| p.dot(up) - radius;
-        let lowest = |least: f32, (_, place): (u32, &Place)| {
+        let lowest = |least: f32, (_, place): (u32, &PlacedShape)| {
             if let Some(bounding) = boxes.of_place(place)
                 && bounding.into_iter().all(|ball| bottom(ball) >= least)
             {
@@ -127,7 +127,7 @@ impl Boxes {
     }
 
     /// Balls whose hull holds all balls of an instance.
-    fn of_place(&self, place: &Place) -> Option<[(Vec3, f32); 8]> {
+    fn of_place(&self, place: &PlacedShape) -> Option<[(Vec3, f32); 8]> {
         let instance = place.instance.as_ref()?;
         let (bounds, radius) = self.0[place.shape]?;
         let radius = radius * instance.stretch();
@@ -150,7 +150,7 @@ fn box_of_balls(mesh: &Mesh) -> ([Vec3; 2], f32) {
 
 /// The [balls] of a triangle where it is put.
 fn placed_balls(
-    place: &Place,
+    place: &PlacedShape,
     mesh: &Mesh,
     triangle: &[u32; 3],
 ) -> impl Iterator<Item = (Vec3, f32)> + use<> {
@@ -166,11 +166,11 @@ fn placed_balls(
 }
 
 /// Balls that hold the curved surface of a triangle, roughly: around its vertices and around where
-/// its sides' middles and its centroid are lifted to, as far as the vertices' tangent planes say.
+/// its edges' middles and its centroid are lifted to, as far as the vertices' tangent planes say.
 fn balls(mesh: &Mesh, triangle: &[u32; 3]) -> [(Vec3, f32); 7] {
     let [a, b, c] = triangle.map(|v| mesh.positions()[v as usize]);
     let [na, nb, nc] = triangle.map(|v| mesh.normals()[v as usize]);
-    // A sphere's side lies this much above its ends' tangent planes.
+    // The edge of a patch on a sphere lies this much above its ends' tangent planes.
     let rise = |p: Vec3, n: Vec3, q: Vec3, m: Vec3| 0.5 * (n - m).dot(p - q);
     let middle = |p: Vec3, n: Vec3, q: Vec3, m: Vec3| {
         0.5 * (p + q) + rise(p, n, q, m) / 3.0 * (n + m).normalize_or_zero()
@@ -231,10 +231,10 @@ impl Wedges {
         let near = -p.dot(axes.forward);
         for (n, axis) in [axes.right, axes.up].into_iter().enumerate() {
             let slope = self.slopes[n];
-            let (at, room) = (p.dot(axis), radius * slope.hypot(1.0));
+            let (at, reach) = (p.dot(axis), radius * slope.hypot(1.0));
             let [positive, negative] = &mut self.touching[n];
-            *positive = positive.max(at + slope * near + room);
-            *negative = negative.max(-at + slope * near + room);
+            *positive = positive.max(at + slope * near + reach);
+            *negative = negative.max(-at + slope * near + reach);
         }
         self.nearest = self.nearest.max(near + radius);
         self
@@ -266,7 +266,7 @@ impl Wedges {
 
 #[cfg(test)]
 mod tests {
-    use super::super::scene::Form;
+    use super::super::shape::Form;
     use super::*;
 
     fn scene(positions: Vec<DVec3>) -> Scene {

@@ -2,14 +2,28 @@
 
 use glam::{DVec3, Vec3};
 
-use super::bsdf::Material;
 use super::camera::{Camera, UpAxis};
 use super::light::Lighting;
+use super::material::Material;
 use super::scene::Scene;
 use super::shading::Shading;
 use crate::mesh::Bounds;
 
 /// What to render of a scene.
+///
+/// ```
+/// use curvetri::render::{Camera, Crop, Material, Picture, Shading, UpAxis};
+/// use glam::DVec3;
+///
+/// let camera = Camera { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, fov_degrees: 35.0 };
+/// let picture = Picture {
+///     crop: Some(Crop { x: 100, y: 50, width: 320, height: 240 }),
+///     material: Material::Glass { index: 1.5 },
+///     shading: Shading::Interpolated,
+///     ..Picture::new(800, 600, camera, UpAxis::Y)
+/// };
+/// assert_eq!(picture.samples, 16);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Pixels in a row.
@@ -67,9 +81,9 @@ pub enum Integrator {
         /// How far away what hides counts, in the units of the meshes; may be infinite.
         distance: f32,
     },
-    /// Also what comes by other surfaces.
+    /// All light, also by way of other surfaces.
     Path {
-        /// How many surfaces light meets at most on its way, 1 or more; with 1 it is the direct
+        /// How many surfaces light hits at most, 1 or more; with 1 it is the direct
         /// light, with the sky's shadows.
         depth: u32,
     },

@@ -3,32 +3,16 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use thiserror::Error;
 
-use super::place::{Instance, Place};
+use super::placed_shape::{Instance, PlacedShape};
+use super::shape::{Form, Shape};
 use super::stats::{MemoryParts, Times};
 use super::tree::Tree;
-use crate::curved::{CurvedMesh, CurvedOptions, Kinds, Spheres};
-use crate::embree::{self, Device, Geometry, GeometryBuilder, Hit, Ray};
-use crate::mesh::{Bounds, Mesh, Parts};
-
-/// What a mesh's triangles stand for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Form {
-    /// Themselves: Embree's own triangles.
-    Flat,
-    /// Curved patches.
-    Curved(CurvedOptions),
-}
-
-/// A mesh in a scene.
-pub enum Shape {
-    /// Embree's own triangles.
-    Flat(Arc<Mesh>),
-    /// Curved patches.
-    Curved(Arc<CurvedMesh>),
-}
+use crate::curved::{Kinds, Spheres};
+use crate::embree::{self, Device, Hit};
+use crate::mesh::{Bounds, Parts};
 
 /// Meshes under one Embree tree, in a local space: rays and hits are relative to
 /// [`Scene::origin`].
@@ -37,14 +21,39 @@ pub enum Shape {
 /// the mesh of placement `g`. A mesh with other or more uses is curved and built once, in a tree of its
 /// own, and each use is an instance of it: a hit's `inst_id` is the placement, `prim_id` the triangle,
 /// and `ng` is in the mesh's space ([`Scene::normal`] is in the scene's). Instances do not know what is
-/// beside them: sides along which they meet are boundaries of each. Flat triangles that are
-/// [apart](crate::curved::FlatTriangles::Apart) are in geometries of their own, after all placements':
-/// [`Scene::place_of`] tells whose.
+/// beside them: edges along which they meet are boundaries of each. Flat triangles that are
+/// [separate](crate::curved::FlatTriangles::Separate) are in geometries of their own, after all placements':
+/// [`Scene::placement_of`] tells whose.
+///
+/// ```
+/// use curvetri::embree::{QueryOptions, Ray};
+/// use curvetri::mesh::{Mesh, Parts, Placement};
+/// use curvetri::render::{Form, Scene, SceneError, Shape};
+/// use glam::{DAffine3, DVec3, Vec3};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let device = curvetri::linked::device()?;
+/// let mesh = Mesh::new(vec![DVec3::ZERO, DVec3::X, DVec3::Y], None, vec![[0, 1, 2]])?;
+/// let mut parts = Parts::from(vec![mesh]);
+/// parts.placements.push(Placement { part: 0, to_user: DAffine3::from_translation(DVec3::Z) });
+/// let scene = Scene::new(&device, parts, Form::Flat)?;
+/// assert!(matches!(scene.shapes()[0], Shape::Flat(_)));
+///
+/// let from = DVec3::new(0.25, 0.25, 5.0) - scene.origin();
+/// let ray = Ray::new(from.as_vec3(), Vec3::NEG_Z);
+/// let hit = scene.tree().intersect1(&ray, &QueryOptions::default()).expect("it hits");
+/// assert_eq!((hit.t, scene.placement_of(&hit), scene.normal(&hit)), (4.0, 1, Vec3::Z));
+///
+/// let nothing = Scene::new(&device, Parts::default(), Form::Flat);
+/// assert!(matches!(nothing.err(), Some(SceneError::Empty)));
+/// # Ok(())
+/// # }
+/// ```
 pub struct Scene {
     origin: DVec3,
     bounds: Bounds,
     shapes: Vec<Shape>,
-    places: Vec<Place>,
+    placed: Vec<PlacedShape>,
     outermost_first: Vec<u32>,
     tree: Tree,
     times: Times,
@@ -57,13 +66,13 @@ pub enum SceneError {
     /// There is no mesh, or none is put anywhere.
     #[error("a scene needs at least one mesh")]
     Empty,
-    /// Embree's own reason.
+    /// Embree refused or failed.
     #[error(transparent)]
     Embree(#[from] embree::Error),
 }
 
 impl Scene {
-    /// Curves the meshes, if asked for, and builds the tree. Meshes in the user's space need no
+    /// Curves the meshes, where the form is a curved one, and builds the tree. Meshes in the user's space need no
     /// placements: `vec![mesh]` will do.
     ///
     /// # Errors
@@ -99,18 +108,18 @@ impl Scene {
             .map(|(mesh, &in_place)| if in_place { mesh.rebased(origin) } else { mesh })
             .map(|mesh| Shape::new(Arc::new(mesh), form))
             .collect();
-        let places: Vec<Place> = (placements.iter())
+        let placed: Vec<PlacedShape> = (placements.iter())
             .map(|placement| {
                 let shape = placement.part;
                 let away = || Instance::new(placement, shapes[shape].mesh().origin(), origin);
-                Place {
+                PlacedShape {
                     shape,
                     instance: (!in_place[shape]).then(away),
                 }
             })
             .collect();
         let curved = Instant::now();
-        let tree = Tree::new(device, &shapes, &places, filters)?;
+        let tree = Tree::new(device, &shapes, &placed, filters)?;
         let times = Times {
             curve: curved - start,
             build: curved.elapsed(),
@@ -120,14 +129,14 @@ impl Scene {
             origin,
             bounds,
             shapes,
-            places,
+            placed,
             outermost_first,
             tree,
             times,
         })
     }
 
-    /// The same meshes at the same places in another form, without filters.
+    /// The same meshes at the same placed in another form, without filters.
     ///
     /// # Errors
     /// If there is not enough memory.
@@ -135,7 +144,7 @@ impl Scene {
         let start = Instant::now();
         let Self {
             shapes,
-            places,
+            placed,
             tree,
             ..
         } = self;
@@ -145,10 +154,10 @@ impl Scene {
             .map(|shape| Shape::new(shape.into_mesh(), form))
             .collect();
         let curved = Instant::now();
-        let tree = Tree::new(device, &shapes, &places, false)?;
+        let tree = Tree::new(device, &shapes, &placed, false)?;
         Ok(Self {
             shapes,
-            places,
+            placed,
             tree,
             times: Times {
                 curve: self.times.curve + (curved - start),
@@ -161,13 +170,13 @@ impl Scene {
 
     /// By how much the largest of the placements enlarges its mesh, at the most; 1 where all are in place.
     pub fn greatest_scale(&self) -> f32 {
-        let scale = |place: &Place| {
+        let scale = |place: &PlacedShape| {
             place
                 .instance
                 .as_ref()
                 .map_or(1.0, Instance::greatest_scale)
         };
-        self.places.iter().map(scale).fold(0.0, f32::max)
+        self.placed.iter().map(scale).fold(0.0, f32::max)
     }
 
     /// What rays and hits are relative to, in the user's space.
@@ -194,41 +203,32 @@ impl Scene {
     ///
     /// # Panics
     /// If the hit is not one of this scene's.
-    pub fn place_of(&self, hit: &Hit) -> u32 {
-        self.tree.place_of(hit)
+    pub fn placement_of(&self, hit: &Hit) -> u32 {
+        self.tree.placement_of(hit)
     }
 
     /// The mesh of a placement, by the placement's number.
     ///
     /// # Panics
     /// If there is no such placement.
-    pub fn shape_at(&self, place: u32) -> &Shape {
-        &self.shapes[self.places[place as usize].shape]
+    pub fn shape_at(&self, placement: u32) -> &Shape {
+        &self.shapes[self.placed[placement as usize].shape]
     }
 
     /// The placements, with their numbers: those furthest from the middle first.
-    pub(super) fn outermost_first(&self) -> impl Iterator<Item = (u32, &Place)> {
-        let places = self.outermost_first.iter();
-        places.map(|&number| (number, &self.places[number as usize]))
+    pub(super) fn outermost_first(&self) -> impl Iterator<Item = (u32, &PlacedShape)> {
+        let placed = self.outermost_first.iter();
+        placed.map(|&number| (number, &self.placed[number as usize]))
     }
 
-    pub(super) fn place(&self, hit: &Hit) -> &Place {
-        &self.places[self.place_of(hit) as usize]
+    pub(super) fn placed_shape(&self, hit: &Hit) -> &PlacedShape {
+        &self.placed[self.placement_of(hit) as usize]
     }
 
     /// How many placements are instances.
     pub fn instances(&self) -> usize {
-        let instances = self.places.iter().filter(|place| place.instance.is_some());
+        let instances = self.placed.iter().filter(|place| place.instance.is_some());
         instances.count()
-    }
-
-    /// The unit normal of a hit in the scene's space: the surface's own, on the front of the triangle
-    /// by its winding (of a mirrored instance the image of the front); zero where the hit has none.
-    ///
-    /// # Panics
-    /// If the hit is not one of this scene's.
-    pub fn normal(&self, hit: &Hit) -> Vec3 {
-        self.place(hit).normal(hit.ng)
     }
 
     /// Triangles by kind, of all meshes; a mesh counts once, however often it is used.
@@ -252,7 +252,7 @@ impl Scene {
         let sum = |of: fn(&Shape) -> usize| self.shapes.iter().map(|shape| of(shape) as u64).sum();
         MemoryParts {
             mesh: sum(|shape| shape.mesh().memory()),
-            records: sum(Shape::memory) + size_of_val(&*self.places) as u64,
+            records: sum(Shape::memory) + size_of_val(&*self.placed) as u64,
             embree: self.tree().device().memory().current,
         }
     }
@@ -261,118 +261,6 @@ impl Scene {
     pub fn times(&self) -> Times {
         self.times
     }
-
-    /// How far the surface may be from the point of a hit along its normal: see
-    /// [`CurvedMesh::error_bound`]. On an instance, with the rounding of its transform.
-    ///
-    /// # Panics
-    /// If the hit is not one of this scene's.
-    pub fn error_bound(&self, hit: &Hit, ray: &Ray) -> f32 {
-        let place = self.place(hit);
-        let shape = &self.shapes[place.shape];
-        let Some(instance) = &place.instance else {
-            return shape.error_bound(hit.prim_id, ray, hit.t);
-        };
-        let bound = shape.error_bound(hit.prim_id, &instance.localized(ray), hit.t);
-        instance.error_bound(bound, hit.ng, ray, hit.t)
-    }
-
-    /// Where a secondary ray starts that leaves a hit's surface on the side of `normal`, one of its
-    /// two unit normals there: off the surface by the hit's error, so that the ray does not meet the
-    /// surface it leaves, and by no more, so that it meets whatever is near.
-    ///
-    /// # Panics
-    /// If the hit is not one of this scene's.
-    pub fn leaving_point(&self, hit: &Hit, ray: &Ray, normal: Vec3) -> Vec3 {
-        ray.at(hit.t) + self.error_bound(hit, ray) * normal
-    }
-}
-
-impl Shape {
-    fn new(mesh: Arc<Mesh>, form: Form) -> Self {
-        match form {
-            Form::Flat => Self::Flat(mesh),
-            Form::Curved(options) => Self::Curved(Arc::new(CurvedMesh::new(mesh, &options))),
-        }
-    }
-
-    /// Its geometry and, behind it, that of the flat triangles that are apart.
-    pub(super) fn geometries(&self, device: &Device) -> Result<Vec<Geometry>, embree::Error> {
-        let geometries = match self {
-            Self::Flat(mesh) => {
-                let flat = Geometry::triangles(device, mesh.positions(), mesh.triangles())?;
-                vec![flat]
-            }
-            Self::Curved(mesh) => mesh.geometries(device)?,
-        };
-        geometries
-            .into_iter()
-            .map(GeometryBuilder::commit)
-            .collect()
-    }
-
-    fn into_mesh(self) -> Arc<Mesh> {
-        match self {
-            Self::Flat(mesh) => mesh,
-            Self::Curved(mesh) => mesh.mesh().clone(),
-        }
-    }
-
-    /// The mesh.
-    pub fn mesh(&self) -> &Mesh {
-        match self {
-            Self::Flat(mesh) => mesh,
-            Self::Curved(mesh) => mesh.mesh(),
-        }
-    }
-
-    /// Triangles by kind.
-    pub fn kinds(&self) -> Kinds {
-        match self {
-            Self::Flat(mesh) => Kinds {
-                flat_tolerance: mesh.triangles().len(),
-                ..Kinds::default()
-            },
-            Self::Curved(mesh) => *mesh.kinds(),
-        }
-    }
-
-    fn spheres(&self) -> Spheres {
-        match self {
-            Self::Flat(_) => Spheres::default(),
-            Self::Curved(mesh) => *mesh.spheres(),
-        }
-    }
-
-    /// Bytes kept beyond the mesh itself.
-    fn memory(&self) -> usize {
-        match self {
-            Self::Flat(_) => 0,
-            Self::Curved(mesh) => mesh.memory(),
-        }
-    }
-
-    /// As [`Scene::error_bound`], in the mesh's space.
-    fn error_bound(&self, triangle: u32, ray: &Ray, t: f32) -> f32 {
-        match self {
-            Self::Flat(mesh) => {
-                let corners = mesh.triangle_positions(triangle as usize);
-                let around = corners.map(|p| p.abs().max_element());
-                rounding(around.into_iter().fold(reach(ray, t), f32::max))
-            }
-            Self::Curved(mesh) => mesh.error_bound(triangle, ray, t),
-        }
-    }
-}
-
-/// How far out the points are that a ray's hit was computed from.
-pub(super) fn reach(ray: &Ray, t: f32) -> f32 {
-    ray.origin.abs().max_element() + t * ray.direction.abs().max_element()
-}
-
-/// How far off a plane a computed point of it may be, by the magnitude of what it was computed from.
-pub(super) fn rounding(magnitude: f32) -> f32 {
-    8.0 * f32::EPSILON * magnitude
 }
 
 /// Which meshes are attached themselves: those that are used once, as they are.
@@ -400,10 +288,10 @@ fn common_origin(parts: &Parts, in_place: &[bool], bounds: &Bounds) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::curved::FlatTriangles;
-    use crate::embree::{QueryOptions, RayPacket};
-    use crate::mesh::Placement;
-    use glam::DAffine3;
+    use crate::curved::{CurvedOptions, FlatTriangles};
+    use crate::embree::{QueryOptions, Ray, RayPacket};
+    use crate::mesh::{Mesh, Placement};
+    use glam::{DAffine3, Vec3};
 
     /// A square of two triangles at this height, facing up.
     fn square(at: DVec3) -> Mesh {
@@ -442,10 +330,10 @@ mod tests {
     }
 
     #[test]
-    fn flat_triangles_apart_are_told_as_those_of_their_placements() {
+    fn separate_flat_triangles_are_known_as_those_of_their_placements() {
         let device = crate::linked::device().unwrap();
         let form = Form::Curved(CurvedOptions {
-            flat: FlatTriangles::Apart,
+            flat: FlatTriangles::Separate,
             ..CurvedOptions::default()
         });
         let ball = curvetri_bodies::Body::sphere_tetrahedron().mesh();
@@ -466,11 +354,11 @@ mod tests {
             (scene.tree()).intersect(&mut packet, &QueryOptions::default());
             packet.hit(0).expect("something is there")
         };
-        assert_eq!(scene.place_of(&hit(0.1, 0.1)), 0, "curved");
+        assert_eq!(scene.placement_of(&hit(0.1, 0.1)), 0, "curved");
         for (place, x) in [(1, 9.0), (2, 20.0), (3, 30.0)] {
             for (prim_id, y) in [(0, 0.25), (1, 0.75)] {
                 let hit = hit(x + 0.5, y);
-                assert_eq!((scene.place_of(&hit), hit.prim_id), (place, prim_id));
+                assert_eq!((scene.placement_of(&hit), hit.prim_id), (place, prim_id));
                 assert!((scene.normal(&hit) - Vec3::Z).length() < 1e-6);
             }
         }

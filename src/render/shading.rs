@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 
-use super::scene::{Scene, Shape};
+use super::scene::Scene;
+use super::shape::Shape;
 use crate::embree::Hit;
 
 /// What flat triangles are lit by. A curved triangle is lit by its own normal, either way.
@@ -20,7 +21,7 @@ impl Shading {
     /// The unit normal that a hit is lit by, on the same side of the surface as `facing`, one of the
     /// two unit normals of the geometry there.
     pub(crate) fn normal(self, scene: &Scene, hit: &Hit, facing: Vec3) -> Vec3 {
-        let place = scene.place(hit);
+        let place = scene.placed_shape(hit);
         match (self, &scene.shapes()[place.shape]) {
             (Self::Interpolated, Shape::Flat(mesh)) => {
                 let normals = mesh.triangle_normals(hit.prim_id as usize);

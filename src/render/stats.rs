@@ -6,20 +6,34 @@ use std::time::Duration;
 use crate::curved::{Counters, Kinds, Spheres};
 
 /// What a picture took: time, memory, rays, and the kernel's work.
+///
+/// ```
+/// use std::time::Duration;
+///
+/// use curvetri::render::{MemoryParts, RayCounts, RenderStats, Times};
+///
+/// let stats = RenderStats {
+///     rays: RayCounts { primary: 3_000_000, shadow: 1_000_000, bounce: 0 },
+///     times: Times { render: Duration::from_secs(2), ..Times::default() },
+///     memory: MemoryParts { mesh: 1 << 20, ..MemoryParts::default() },
+///     ..RenderStats::default()
+/// };
+/// assert_eq!(stats.mray_per_second(), 2.0);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderStats {
     /// Triangles by kind, of all meshes; a mesh counts once, however often it is used.
     pub triangles: Kinds,
     /// Uses of meshes that are used several times.
     pub instances: usize,
-    /// Curved triangles by the sphere that bounds them, where spheres were asked for.
+    /// Curved triangles by the sphere that bounds them, where spheres were requested.
     pub spheres: Spheres,
     /// Time by step.
     pub times: Times,
     /// Memory by part.
     pub memory: MemoryParts,
-    /// Rays by kind.
-    pub rays: Rays,
+    /// RayCounts by kind.
+    pub rays: RayCounts,
     /// The kernel's work; none for flat triangles, which are Embree's own.
     pub kernel: Counters,
 }
@@ -29,7 +43,7 @@ pub struct RenderStats {
 pub struct Times {
     /// Reading the files and making missing normals; known to whoever read them.
     pub load: Duration,
-    /// Finding shared sides and preparing the patches.
+    /// Finding shared edges and building the patches.
     pub curve: Duration,
     /// Building Embree's tree.
     pub build: Duration,
@@ -42,15 +56,15 @@ pub struct Times {
 pub struct MemoryParts {
     /// Positions, normals and indices.
     pub mesh: u64,
-    /// What is kept of each curved patch and each placement.
+    /// Packed patches, clusters and placements.
     pub records: u64,
     /// Embree's tree, and its copies of flat triangles.
     pub embree: u64,
 }
 
-/// Rays by kind.
+/// RayCounts by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Rays {
+pub struct RayCounts {
     /// From the camera.
     pub primary: u64,
     /// That ask whether something is in the way: to the sun, the lamp or the sky.
@@ -59,14 +73,14 @@ pub struct Rays {
     pub bounce: u64,
 }
 
-impl Rays {
+impl RayCounts {
     /// All rays.
     pub fn total(&self) -> u64 {
         self.primary + self.shadow + self.bounce
     }
 }
 
-impl Add for Rays {
+impl Add for RayCounts {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self {
@@ -109,7 +123,7 @@ mod tests {
     #[test]
     fn ratios_are_by_ray_and_by_call() {
         let stats = RenderStats {
-            rays: Rays {
+            rays: RayCounts {
                 primary: 5,
                 shadow: 2,
                 bounce: 1,

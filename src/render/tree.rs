@@ -1,7 +1,7 @@
 //! The Embree tree over a scene's placements.
 
-use super::place::Place;
-use super::scene::Shape;
+use super::placed_shape::PlacedShape;
+use super::shape::Shape;
 use crate::embree::{Device, Error, Geometry, Hit, Scene, SceneBuilder};
 
 /// The tree, and whose geometries are in it.
@@ -18,7 +18,7 @@ impl Tree {
     pub fn new(
         device: &Device,
         shapes: &[Shape],
-        places: &[Place],
+        places: &[PlacedShape],
         filters: bool,
     ) -> Result<Self, Error> {
         // Flat triangles get the same promise as curved ones: no ray slips between them.
@@ -28,7 +28,7 @@ impl Tree {
                 .query_filters(filters))
         };
         let mut inner: Vec<Option<Scene>> = vec![None; shapes.len()];
-        let (mut builder, mut apart) = (empty()?, Vec::new());
+        let (mut builder, mut separate) = (empty()?, Vec::new());
         for (number, place) in places.iter().enumerate() {
             let shape = &shapes[place.shape];
             let Some(instance) = &place.instance else {
@@ -36,7 +36,7 @@ impl Tree {
                     if n == 0 {
                         builder.attach(&geometry);
                     } else {
-                        apart.push((number as u32, geometry));
+                        separate.push((number as u32, geometry));
                     }
                 }
                 continue;
@@ -53,18 +53,18 @@ impl Tree {
             };
             builder.attach(&Geometry::instance(device, tree, instance.to_scene)?.commit()?);
         }
-        for (_, geometry) in &apart {
+        for (_, geometry) in &separate {
             builder.attach(geometry);
         }
         Ok(Self {
             scene: builder.commit()?,
             places: places.len(),
-            flat: apart.into_iter().map(|(number, _)| number).collect(),
+            flat: separate.into_iter().map(|(number, _)| number).collect(),
         })
     }
 
     /// The number of the placement that a hit is on.
-    pub fn place_of(&self, hit: &Hit) -> u32 {
+    pub fn placement_of(&self, hit: &Hit) -> u32 {
         match hit.inst_id[0] {
             Hit::NONE => match (hit.geom_id as usize).checked_sub(self.places) {
                 None => hit.geom_id,

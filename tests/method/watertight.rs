@@ -52,7 +52,7 @@ fn none_is_lost_between_curved_triangles_and_flat_ones_that_are_apart() {
     bodies.extend(curvetri_test_support::real_meshes(&["cad_feature.stl"]));
     bodies.par_iter().for_each(|body| {
         let traced = body.traced_with(&CurvedOptions {
-            flat: FlatTriangles::Apart,
+            flat: FlatTriangles::Separate,
             ..CurvedOptions::default()
         });
         let curved = &traced.curved;

@@ -46,7 +46,7 @@ impl Bezier {
         }
     }
 
-    /// The quadratic patch whose sides have these middle control points.
+    /// The quadratic patch whose edges have these middle control points.
     fn quadratic(t: &BodyTriangle, middle: impl Fn(&BodyTriangle, usize, usize) -> DVec3) -> Self {
         let [a, b, c] = t.positions;
         let (ab, bc, ca) = (middle(t, 0, 1), middle(t, 1, 2), middle(t, 2, 0));
@@ -88,7 +88,7 @@ fn step(points: &[DVec3], degree: usize, [u, v]: [f64; 2]) -> Vec<DVec3> {
     reduced
 }
 
-/// Boubekeur and Alexa, "Phong tessellation", 2008: between the side's middle and its projections
+/// Boubekeur and Alexa, "Phong tessellation", 2008: between the edge's middle and its projections
 /// onto the two tangent planes.
 fn phong_middle(t: &BodyTriangle, i: usize, j: usize) -> DVec3 {
     let (p, q) = (t.positions[i], t.positions[j]);
@@ -101,7 +101,7 @@ fn phong_middle(t: &BodyTriangle, i: usize, j: usize) -> DVec3 {
     flat + PHONG_SHAPE * (projected - flat)
 }
 
-/// Nagata, "Simple local interpolation of surfaces using normal vectors", 2005: the side
+/// Nagata, "Simple local interpolation of surfaces using normal vectors", 2005: the edge
 /// `x + (d - c) s + c s^2` with the shortest `c` that makes it perpendicular to both normals.
 fn nagata_middle(t: &BodyTriangle, i: usize, j: usize) -> DVec3 {
     let d = t.positions[j] - t.positions[i];
@@ -138,7 +138,7 @@ mod tests {
                 for (i, at) in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
                     let point = bezier.at(at);
                     assert!(point[0].distance(t.positions[i]) < 1e-15);
-                    // In a narrow corner Nagata's sides can cross each other, which turns the
+                    // In a narrow corner Nagata's edges can cross each other, which turns the
                     // geometric normal over: it is the given one or its opposite.
                     let off = normal(point).cross(t.normals[i]).length();
                     assert!(peer == Peer::Phong || off < 1e-12, "{peer:?}: {off}");

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::bezier::Bezier;
-use super::model::Model;
-use super::probe::{Point, Probe};
+use super::model::SurfaceModel;
+use super::probe::{ProbedPoint, SurfaceProbe};
 use curvetri::method::{BoundsKind, Patch, PatchFlags, Ray, Solver, Surface};
 use curvetri_bodies::BodyTriangle;
 
@@ -22,16 +22,16 @@ enum Facet {
 }
 
 /// Triangles, taken for a model's.
-pub(super) struct Facets(Vec<Facet>);
+pub(super) struct ModelFacets(Vec<Facet>);
 
-impl Facets {
-    pub fn new(triangles: &[BodyTriangle], model: Model) -> Self {
+impl ModelFacets {
+    pub fn new(triangles: &[BodyTriangle], model: SurfaceModel) -> Self {
         Self(triangles.iter().map(|t| Facet::new(t, model)).collect())
     }
 }
 
 impl Facet {
-    fn new(triangle: &BodyTriangle, model: Model) -> Self {
+    fn new(triangle: &BodyTriangle, model: SurfaceModel) -> Self {
         let patch = |surface, bounds| {
             let positions = triangle.positions.map(Into::into);
             let normals = triangle.normals.map(Into::into);
@@ -39,16 +39,16 @@ impl Facet {
             Box::new(Patch::new(positions, normals, flags.with_bounds(bounds)))
         };
         match model {
-            Model::Flat => Facet::Flat(
+            SurfaceModel::Flat => Facet::Flat(
                 patch(Surface::Tensor, BoundsKind::Tight),
                 triangle.positions,
             ),
-            Model::Curved(surface) => Facet::Curved(patch(surface, BoundsKind::Tight)),
-            Model::Paper => Facet::Paper(
+            SurfaceModel::Curved(surface) => Facet::Curved(patch(surface, BoundsKind::Tight)),
+            SurfaceModel::Paper => Facet::Paper(
                 patch(Surface::Angular, BoundsKind::Sphere),
                 triangle.positions,
             ),
-            Model::Peer(peer) => Facet::Peer(Bezier::new(peer, triangle)),
+            SurfaceModel::Peer(peer) => Facet::Peer(Bezier::new(peer, triangle)),
         }
     }
 
@@ -64,8 +64,8 @@ impl Facet {
     }
 }
 
-impl Probe for Facets {
-    fn at(&self, triangle: usize, at: [f64; 2]) -> Option<Point> {
+impl SurfaceProbe for ModelFacets {
+    fn at(&self, triangle: usize, at: [f64; 2]) -> Option<ProbedPoint> {
         let facet = &self.0[triangle];
         let guide = |patch: &Patch<f64>| Some(patch.guide_at(at[0], at[1]).into());
         let (position, line) = match facet {
@@ -74,14 +74,14 @@ impl Probe for Facets {
             Facet::Paper(patch, corners) => return down_guide(patch, *corners, at),
             Facet::Peer(bezier) => (bezier.at(at)[0], None),
         };
-        Some(Point {
+        Some(ProbedPoint {
             position,
             normal: facet.normal(at),
             line,
         })
     }
 
-    fn normal_on_side(&self, triangle: usize, at: [f64; 2]) -> Option<DVec3> {
+    fn normal_on_edge(&self, triangle: usize, at: [f64; 2]) -> Option<DVec3> {
         match &self.0[triangle] {
             Facet::Paper(patch, corners) => Some(down_guide(patch, *corners, at)?.normal),
             facet => Some(facet.normal(at)),
@@ -90,7 +90,7 @@ impl Probe for Facets {
 }
 
 /// The first point that the paper's algorithm finds down the guide over (u, v).
-fn down_guide(patch: &Patch<f64>, corners: [DVec3; 3], at: [f64; 2]) -> Option<Point> {
+fn down_guide(patch: &Patch<f64>, corners: [DVec3; 3], at: [f64; 2]) -> Option<ProbedPoint> {
     let (start, line) = above(patch, corners, at, patch.heights()[1]);
     let ray = Ray {
         origin: start.into(),
@@ -99,7 +99,7 @@ fn down_guide(patch: &Patch<f64>, corners: [DVec3; 3], at: [f64; 2]) -> Option<P
         tfar: f64::INFINITY,
     };
     let hit = patch.intersect(&ray, Solver::ITA);
-    hit.found.then(|| Point {
+    hit.found.then(|| ProbedPoint {
         position: start + hit.t * line,
         normal: patch.normal_at(hit.u, hit.v).into(),
         line: Some(line),

@@ -5,7 +5,7 @@ use curvetri::method::Surface;
 
 /// What a triangle with vertex normals is taken for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Model {
+pub enum SurfaceModel {
     /// Itself.
     Flat,
     /// The angular surface in the paper's own form: as rays find it within the sphere of greatest
@@ -28,29 +28,29 @@ pub enum Peer {
     Nagata,
 }
 
-impl Model {
+impl SurfaceModel {
     /// The flat triangles, the paper's own form, and our surfaces.
-    pub const OURS: [Model; 5] = [
-        Model::Flat,
-        Model::Paper,
-        Model::Curved(Surface::Angular),
-        Model::Curved(Surface::Tensor),
-        Model::Curved(Surface::Smooth),
+    pub const OURS: [SurfaceModel; 5] = [
+        SurfaceModel::Flat,
+        SurfaceModel::Paper,
+        SurfaceModel::Curved(Surface::Angular),
+        SurfaceModel::Curved(Surface::Tensor),
+        SurfaceModel::Curved(Surface::Smooth),
     ];
 
     /// The other methods' triangles.
-    pub const PEERS: [Model; 3] = [
-        Model::Peer(Peer::Pn),
-        Model::Peer(Peer::Phong),
-        Model::Peer(Peer::Nagata),
+    pub const PEERS: [SurfaceModel; 3] = [
+        SurfaceModel::Peer(Peer::Pn),
+        SurfaceModel::Peer(Peer::Phong),
+        SurfaceModel::Peer(Peer::Nagata),
     ];
 
     /// How its mesh is curved; `None` if it is not one of our curved surfaces.
     pub(super) fn options(self) -> Option<CurvedOptions> {
         match self {
-            Model::Flat | Model::Peer(_) => None,
-            Model::Paper => Some(CurvedOptions::paper()),
-            Model::Curved(surface) => Some(CurvedOptions {
+            SurfaceModel::Flat | SurfaceModel::Peer(_) => None,
+            SurfaceModel::Paper => Some(CurvedOptions::paper()),
+            SurfaceModel::Curved(surface) => Some(CurvedOptions {
                 surface,
                 ..CurvedOptions::default()
             }),
@@ -61,12 +61,12 @@ impl Model {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Model::Flat => "flat",
-            Model::Paper => "paper",
-            Model::Curved(surface) => surface.name(),
-            Model::Peer(Peer::Pn) => "pn",
-            Model::Peer(Peer::Phong) => "phong",
-            Model::Peer(Peer::Nagata) => "nagata",
+            SurfaceModel::Flat => "flat",
+            SurfaceModel::Paper => "paper",
+            SurfaceModel::Curved(surface) => surface.name(),
+            SurfaceModel::Peer(Peer::Pn) => "pn",
+            SurfaceModel::Peer(Peer::Phong) => "phong",
+            SurfaceModel::Peer(Peer::Nagata) => "nagata",
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::facet::Facets;
-use super::model::Model;
+use super::facet::ModelFacets;
+use super::model::SurfaceModel;
 use super::probe::{Tally, measure_triangle};
 use curvetri_bodies::Body;
 
@@ -34,11 +34,11 @@ impl Measure {
     }
 }
 
-/// The coarsest torus of 3k by 4k pieces on which a model is as good as asked.
+/// The coarsest torus of 3k by 4k pieces on which a model is as good as it has to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Needed {
     /// What the triangles were taken for.
-    pub model: Model,
+    pub model: SurfaceModel,
     /// Which error.
     pub measure: Measure,
     /// How small it was to be, over the torus's largest diameter.
@@ -68,7 +68,7 @@ pub fn order(coarse: f64, fine: f64) -> f64 {
 /// The search doubles k until the error is small enough and then bisects: errors are taken to fall
 /// with k.
 #[must_use]
-pub fn triangles_needed(model: Model, errors: &[f64], seed: u64) -> Vec<Needed> {
+pub fn triangles_needed(model: SurfaceModel, errors: &[f64], seed: u64) -> Vec<Needed> {
     let mut cuts = Cuts {
         model,
         seed,
@@ -91,7 +91,7 @@ pub fn triangles_needed(model: Model, errors: &[f64], seed: u64) -> Vec<Needed> 
 
 /// Torus cuts of 3k by 4k pieces and their errors, mean and greatest, by k.
 struct Cuts {
-    model: Model,
+    model: SurfaceModel,
     seed: u64,
     measured: BTreeMap<usize, [f64; 2]>,
 }
@@ -132,8 +132,8 @@ impl Cuts {
 
 /// Mean and greatest error over the body's first triangles, those of one piece of the ring: it is
 /// like all the others. Infinite where the surface cannot be measured.
-fn errors(body: &Body, triangles: usize, model: Model, seed: u64) -> [f64; 2] {
-    let facets = Facets::new(&body.triangles()[..triangles], model);
+fn errors(body: &Body, triangles: usize, model: SurfaceModel, seed: u64) -> [f64; 2] {
+    let facets = ModelFacets::new(&body.triangles()[..triangles], model);
     let samples = (POINTS / triangles).max(LEAST_POINTS);
     let total = (0..triangles)
         .map(|t| measure_triangle(body, &facets, t, samples, seed))
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn the_cut_found_is_the_coarsest_that_is_fine_enough() {
-        let model = Model::Flat;
+        let model = SurfaceModel::Flat;
         let [mean, max] = triangles_needed(model, &[2e-3], 1).try_into().unwrap();
         let error = |k: usize| errors(&Body::torus(3 * k, 4 * k), 8 * k, model, 1);
         for (needed, which) in [(mean, 0), (max, 1)] {
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn one_piece_of_the_ring_stands_for_all() {
         let body = Body::torus(12, 16);
-        for model in Model::OURS.into_iter().chain(Model::PEERS) {
+        for model in SurfaceModel::OURS.into_iter().chain(SurfaceModel::PEERS) {
             let (piece, all) = (errors(&body, 32, model, 1), errors(&body, 384, model, 1));
             for (piece, all) in piece.into_iter().zip(all) {
                 assert!((piece / all - 1.0).abs() < 0.02, "{model:?}: {piece} {all}");

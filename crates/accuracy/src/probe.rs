@@ -7,7 +7,7 @@ use curvetri_bodies::Body;
 
 /// A point of a surface.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
+pub(super) struct ProbedPoint {
     pub position: DVec3,
     /// The surface's geometric normal; any length but zero.
     pub normal: DVec3,
@@ -17,12 +17,12 @@ pub(super) struct Point {
 }
 
 /// What tells where the surface of a body's triangle is.
-pub(super) trait Probe: Sync {
+pub(super) trait SurfaceProbe: Sync {
     /// The surface over the barycentric coordinates (u, v) of a triangle, if it is found there.
-    fn at(&self, triangle: usize, at: [f64; 2]) -> Option<Point>;
+    fn at(&self, triangle: usize, at: [f64; 2]) -> Option<ProbedPoint>;
 
-    /// The normal of that triangle's own surface over a point on one of its sides.
-    fn normal_on_side(&self, triangle: usize, at: [f64; 2]) -> Option<DVec3>;
+    /// The normal of that triangle's own surface over a point on one of its edges.
+    fn normal_on_edge(&self, triangle: usize, at: [f64; 2]) -> Option<DVec3>;
 }
 
 /// Sums over points.
@@ -61,7 +61,7 @@ impl Tally {
     }
 
     /// Counts a point for the maximum; its error and angle if it could be measured.
-    fn meet(&mut self, body: &Body, point: Option<Point>) -> Option<[f64; 2]> {
+    fn meet(&mut self, body: &Body, point: Option<ProbedPoint>) -> Option<[f64; 2]> {
         let deviation = point.and_then(|point| deviation(body, &point));
         match deviation {
             Some([error, _]) => {
@@ -75,10 +75,10 @@ impl Tally {
 }
 
 /// Measures one triangle at this many points, uniform over its area, and for the maximum also along
-/// its sides, where the greatest error often is.
+/// its edges, where the greatest error often is.
 pub(super) fn measure_triangle(
     body: &Body,
-    probe: &impl Probe,
+    probe: &impl SurfaceProbe,
     triangle: usize,
     samples: usize,
     seed: u64,
@@ -98,7 +98,7 @@ pub(super) fn measure_triangle(
 }
 
 /// Distance to the true surface, and angle to the true normal.
-fn deviation(body: &Body, point: &Point) -> Option<[f64; 2]> {
+fn deviation(body: &Body, point: &ProbedPoint) -> Option<[f64; 2]> {
     let distance = match point.line {
         Some(line) => (body.true_parameter(point.position, line)? * line).length(),
         None => body.signed_distance(point.position).abs(),

@@ -1,4 +1,4 @@
-//! Where a triangle and a side are looked at.
+//! Where a triangle and an edge are looked at.
 
 use curvetri_bodies::SplitMix;
 
@@ -20,16 +20,16 @@ pub(super) fn points(count: usize, seed: u64, triangle: usize) -> impl Iterator<
     })
 }
 
-/// How far inside its sides a triangle is looked at there, in barycentric coordinates: where the
+/// How far inside its edges a triangle is looked at there, in barycentric coordinates: where the
 /// surface ends, a ray at the very end may miss by rounding.
 const INSIDE: f64 = 1e-6;
 
-/// Barycentric coordinates along a triangle's sides, their middles among them and its corners not,
+/// Barycentric coordinates along a triangle's edges, their middles among them and its corners not,
 /// as dense as `count` points inside it.
 pub(super) fn around(count: usize) -> impl Iterator<Item = [f64; 2]> {
     let parts = 2 * ((count as f64).sqrt() / 2.0).ceil() as usize;
     (0..3).flat_map(move |k| {
-        (1..parts).map(move |n| inset(on_side(k, n as f64 / parts as f64), INSIDE))
+        (1..parts).map(move |n| inset(on_edge(k, n as f64 / parts as f64), INSIDE))
     })
 }
 
@@ -38,8 +38,8 @@ pub(super) fn inset(at: [f64; 2], share: f64) -> [f64; 2] {
     at.map(|b| b + share * (1.0 / 3.0 - b))
 }
 
-/// Barycentric coordinates of a place on side `k`, from its first end at 0.
-pub(super) fn on_side(k: usize, along: f64) -> [f64; 2] {
+/// Barycentric coordinates of a place on edge `k`, from its first end at 0.
+pub(super) fn on_edge(k: usize, along: f64) -> [f64; 2] {
     match k {
         0 => [along, 0.0],
         1 => [1.0 - along, along],
@@ -47,9 +47,9 @@ pub(super) fn on_side(k: usize, along: f64) -> [f64; 2] {
     }
 }
 
-/// `count` places along a side, from 0 to 1 and uniform.
-pub(super) fn places(count: usize, seed: u64, side: usize) -> impl Iterator<Item = f64> {
-    let start = unit(!seed, side as u64);
+/// `count` places along an edge, from 0 to 1 and uniform.
+pub(super) fn places(count: usize, seed: u64, edge: usize) -> impl Iterator<Item = f64> {
+    let start = unit(!seed, edge as u64);
     (0..count).map(move |n| (start + R1 * n as f64).fract())
 }
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::facet::above;
-use super::model::Model;
-use super::probe::{Point, Probe};
+use super::model::SurfaceModel;
+use super::probe::{ProbedPoint, SurfaceProbe};
 use super::sampling;
 use curvetri::curved::{CurvedMesh, CurvedOptions};
 use curvetri::embree::{
@@ -17,8 +17,8 @@ use curvetri::mesh::Mesh;
 use curvetri::method::Patch;
 use curvetri_bodies::Body;
 
-/// How far inside a side flat triangles are asked for their normal there, in barycentric
-/// coordinates: at the side itself Embree gives the point to one of the two.
+/// How far inside an edge rays are shot for the normals of flat triangles there, in barycentric
+/// coordinates: at the edge itself Embree gives the point to one of the two.
 const INSIDE: f64 = 1e-3;
 
 /// A body under an Embree tree.
@@ -31,11 +31,11 @@ pub(super) struct TracedBody {
 }
 
 impl TracedBody {
-    pub fn new(device: &Device, body: &Body, model: Model) -> Result<Self, Error> {
-        let flat = model == Model::Flat;
+    pub fn new(device: &Device, body: &Body, model: SurfaceModel) -> Result<Self, Error> {
+        let flat = model == SurfaceModel::Flat;
         let curved = match model {
             // For the guides over them.
-            Model::Flat => CurvedOptions::default(),
+            SurfaceModel::Flat => CurvedOptions::default(),
             _ => (model.options()).expect("rays are traced against our own surfaces only"),
         };
         let mesh = Arc::new(body.mesh());
@@ -77,25 +77,25 @@ impl TracedBody {
     }
 }
 
-impl Probe for TracedBody {
-    fn at(&self, triangle: usize, at: [f64; 2]) -> Option<Point> {
+impl SurfaceProbe for TracedBody {
+    fn at(&self, triangle: usize, at: [f64; 2]) -> Option<ProbedPoint> {
         let ray = self.ray(triangle, at);
         let hit = self.first(&ray, &QueryOptions::INCOHERENT)?;
         let (origin, line) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-        Some(Point {
+        Some(ProbedPoint {
             position: origin + f64::from(hit.t) * line,
             normal: hit.ng.as_dvec3(),
             line: Some(line),
         })
     }
 
-    fn normal_on_side(&self, triangle: usize, at: [f64; 2]) -> Option<DVec3> {
+    fn normal_on_edge(&self, triangle: usize, at: [f64; 2]) -> Option<DVec3> {
         let at = if self.flat {
             sampling::inset(at, INSIDE)
         } else {
             at
         };
-        // Both neighbours reach a little over their side, so each has a hit on its guides.
+        // Both neighbours reach a little over their edge, so each has a hit on its guides.
         let own = |candidate: &Candidate| candidate.hit.prim_id == triangle as u32;
         let ray = self.ray(triangle, at);
         let options = QueryOptions::INCOHERENT.with_filter(&own);

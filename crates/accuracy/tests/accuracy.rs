@@ -6,32 +6,33 @@
 //! which the tolerances stand for.
 use curvetri::method::{Patch, PatchFlags, Surface};
 use curvetri_accuracy::{
-    Measure, Model, Options, Peer, Row, bodies, measure, measure_traced, order, triangles_needed,
+    AccuracyOptions, BodyRow, Measure, Peer, SurfaceModel, bodies, measure, measure_traced, order,
+    triangles_needed,
 };
 use curvetri_bodies::Body;
 use glam::DVec3;
 
-const ANGULAR: Model = Model::Curved(Surface::Angular);
-const TENSOR: Model = Model::Curved(Surface::Tensor);
-const SMOOTH: Model = Model::Curved(Surface::Smooth);
-const PN: Model = Model::Peer(Peer::Pn);
-const NAGATA: Model = Model::Peer(Peer::Nagata);
+const ANGULAR: SurfaceModel = SurfaceModel::Curved(Surface::Angular);
+const TENSOR: SurfaceModel = SurfaceModel::Curved(Surface::Tensor);
+const SMOOTH: SurfaceModel = SurfaceModel::Curved(Surface::Smooth);
+const PN: SurfaceModel = SurfaceModel::Peer(Peer::Pn);
+const NAGATA: SurfaceModel = SurfaceModel::Peer(Peer::Nagata);
 
 fn body(name: &str) -> Body {
     let mut named = bodies().into_iter().filter(|body| body.name() == name);
     named.next().expect(name)
 }
 
-fn row(name: &str, model: Model) -> Row {
-    let row = measure(&body(name), model, &Options::default());
+fn row(name: &str, model: SurfaceModel) -> BodyRow {
+    let row = measure(&body(name), model, &AccuracyOptions::default());
     assert_eq!(row.missed, 0, "{row:?}");
     row
 }
 
-fn traced(name: &str, model: Model) -> Row {
-    let options = Options {
+fn traced(name: &str, model: SurfaceModel) -> BodyRow {
+    let options = AccuracyOptions {
         samples: 20_000,
-        ..Options::default()
+        ..AccuracyOptions::default()
     };
     let row = measure_traced(
         &curvetri::linked::device().unwrap(),
@@ -46,13 +47,13 @@ fn traced(name: &str, model: Model) -> Row {
 
 /// Asserts that a value is a figure but for this share of it.
 #[track_caller]
-fn assert_near(value: f64, figure: f64, share: f64, row: &Row) {
+fn assert_near(value: f64, figure: f64, share: f64, row: &BodyRow) {
     let off = value / figure - 1.0;
     assert!(off.abs() <= share, "{value} is no {figure}: {row:?}");
 }
 
 /// Greatest and mean error of Table 1.
-const TABLE_1: [(&str, Model, f64, Option<f64>); 9] = [
+const TABLE_1: [(&str, SurfaceModel, f64, Option<f64>); 9] = [
     // The mean over the area is 0.00184; see the test of the regular grid.
     ("cylinder", ANGULAR, 0.0053, None),
     ("cone", ANGULAR, 0.0085, Some(0.0028)),
@@ -65,7 +66,7 @@ const TABLE_1: [(&str, Model, f64, Option<f64>); 9] = [
     ("torus", SMOOTH, 0.0158, None),
 ];
 
-fn check_table_1(measured: impl Fn(&str, Model) -> Row) {
+fn check_table_1(measured: impl Fn(&str, SurfaceModel) -> BodyRow) {
     for (name, model, max, mean) in TABLE_1 {
         let row = measured(name, model);
         assert_near(row.max, max, 0.045, &row);
@@ -132,30 +133,31 @@ fn spheres_are_exact() {
         for model in [ANGULAR, TENSOR, SMOOTH] {
             let exact = row(name, model);
             assert!(exact.max < 1e-14 && exact.normal_deg < 1e-12, "{exact:?}");
-            let single = measure_traced(&device, &body(name), model, &Options::default()).unwrap();
+            let single =
+                measure_traced(&device, &body(name), model, &AccuracyOptions::default()).unwrap();
             assert!(single.max < 2e-6 && single.missed == 0, "{single:?}");
             assert!(single.normal_deg < 1e-4, "{single:?}");
         }
-        assert!(row(name, Model::Flat).max > 0.2);
+        assert!(row(name, SurfaceModel::Flat).max > 0.2);
     }
 }
 
 #[test]
 fn mean_errors_on_tori_are_the_known_ones() {
     for (name, model, mean) in [
-        ("torus-12x16", Model::Flat, 6.0e-3),
+        ("torus-12x16", SurfaceModel::Flat, 6.0e-3),
         ("torus-12x16", ANGULAR, 3.6e-4),
         ("torus-12x16", TENSOR, 2.7e-4),
         ("torus-12x16", SMOOTH, 2.6e-4),
         ("torus-12x16", PN, 4.4e-4),
         ("torus-12x16", NAGATA, 2.2e-4),
-        ("torus-48x64", Model::Flat, 3.8e-4),
+        ("torus-48x64", SurfaceModel::Flat, 3.8e-4),
         ("torus-48x64", ANGULAR, 3.2e-5),
         ("torus-48x64", TENSOR, 2.0e-6),
         ("torus-48x64", SMOOTH, 1.2e-6),
         ("torus-48x64", PN, 2.6e-6),
         ("torus-48x64", NAGATA, 2.6e-6),
-        ("torus-96x128", Model::Flat, 9.5e-5),
+        ("torus-96x128", SurfaceModel::Flat, 9.5e-5),
         ("torus-96x128", ANGULAR, 8.1e-6),
         ("torus-96x128", TENSOR, 2.4e-7),
         ("torus-96x128", SMOOTH, 1.2e-7),
@@ -170,7 +172,7 @@ fn mean_errors_on_tori_are_the_known_ones() {
 #[test]
 fn normals_on_tori_are_the_known_ones() {
     for (model, normal) in [
-        (Model::Flat, 2.0),
+        (SurfaceModel::Flat, 2.0),
         (ANGULAR, 1.17),
         (TENSOR, 0.057),
         (SMOOTH, 0.067),
@@ -181,11 +183,11 @@ fn normals_on_tori_are_the_known_ones() {
         assert_near(row.normal_deg, normal, 0.11, &row);
     }
     for (name, model, jump, share) in [
-        ("torus-12x16", Model::Flat, 12.9, 0.1),
+        ("torus-12x16", SurfaceModel::Flat, 12.9, 0.1),
         ("torus-12x16", ANGULAR, 13.9, 0.05),
         ("torus-12x16", TENSOR, 0.32, 0.05),
         ("torus-12x16", SMOOTH, 0.011, 0.3),
-        ("torus-48x64", Model::Flat, 3.4, 0.05),
+        ("torus-48x64", SurfaceModel::Flat, 3.4, 0.05),
         ("torus-48x64", ANGULAR, 3.0, 0.2),
         ("torus-48x64", TENSOR, 0.0037, 0.15),
     ] {
@@ -194,7 +196,7 @@ fn normals_on_tori_are_the_known_ones() {
     }
 }
 
-fn check_fine_torus(measured: impl Fn(&str, Model) -> Row) {
+fn check_fine_torus(measured: impl Fn(&str, SurfaceModel) -> BodyRow) {
     let tensor = measured("torus-48x64", TENSOR);
     assert!(
         tensor.mean <= 2.1e-6 && tensor.jump_deg.unwrap() <= 0.005,
@@ -220,10 +222,10 @@ fn fine_tori_are_as_good_and_as_smooth_for_rays() {
 #[test]
 fn rays_find_what_the_formulas_say() {
     for name in ["cylinder", "cone", "torus-12x16", "torus-24x32"] {
-        for model in Model::OURS {
-            let options = Options {
+        for model in SurfaceModel::OURS {
+            let options = AccuracyOptions {
                 samples: 20_000,
-                ..Options::default()
+                ..AccuracyOptions::default()
             };
             let (exact, single) = (measure(&body(name), model, &options), traced(name, model));
             assert_near(single.max, exact.max, 0.005, &single);
@@ -240,7 +242,7 @@ fn rays_find_what_the_formulas_say() {
 #[test]
 fn only_the_coarse_torus_is_not_curved_throughout_by_default() {
     for body in bodies() {
-        let options = Options {
+        let options = AccuracyOptions {
             samples: 1,
             seed: 1,
         };
@@ -258,7 +260,7 @@ fn a_cone_has_no_sides_to_jump_across() {
 #[test]
 fn the_same_seed_gives_the_same_row() {
     let body = body("torus");
-    let seeded = |seed| measure(&body, SMOOTH, &Options { samples: 500, seed });
+    let seeded = |seed| measure(&body, SMOOTH, &AccuracyOptions { samples: 500, seed });
     assert_eq!(seeded(3), seeded(3));
     assert_ne!(seeded(3).mean, seeded(4).mean);
 }
@@ -267,12 +269,12 @@ fn the_same_seed_gives_the_same_row() {
 fn errors_fall_as_fast_as_known() {
     let mean = |name, model| row(name, model).mean;
     for (model, low, high) in [
-        (Model::Flat, 1.95, 2.05),
+        (SurfaceModel::Flat, 1.95, 2.05),
         (ANGULAR, 1.9, 2.1),
         (TENSOR, 3.0, 4.0),
         (SMOOTH, 3.2, 4.0),
         (PN, 3.0, 4.0),
-        (Model::Peer(Peer::Phong), 1.9, 2.1),
+        (SurfaceModel::Peer(Peer::Phong), 1.9, 2.1),
         (NAGATA, 2.9, 3.2),
     ] {
         let observed = order(mean("torus-48x64", model), mean("torus-96x128", model));
@@ -297,7 +299,7 @@ fn the_papers_claim_against_nagata_holds_for_the_smooth_surface_only() {
             count(Measure::Max, 1e-4),
         ]
     };
-    let [flat, angular, smooth, nagata] = [Model::Flat, ANGULAR, SMOOTH, NAGATA].map(needed);
+    let [flat, angular, smooth, nagata] = [SurfaceModel::Flat, ANGULAR, SMOOTH, NAGATA].map(needed);
     for goal in 0..4 {
         assert!(smooth[goal] <= nagata[goal] && nagata[goal] <= angular[goal]);
         assert!(angular[goal] < flat[goal] / 10);

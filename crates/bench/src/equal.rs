@@ -11,7 +11,7 @@ pub type Truth = fn(DVec3) -> f64;
 
 /// Triangles that are looked at.
 const TRIANGLES: usize = 4000;
-/// Points a side of the grid on each.
+/// Points an edge of the grid on each.
 const GRID: u32 = 8;
 /// No cut is finer.
 const FINEST: u32 = 1000;
@@ -46,7 +46,7 @@ impl SurfaceErrors {
         errors
     }
 
-    /// Into how many parts sides are to be cut, for errors that fall with the square of it. The
+    /// Into how many parts edges are to be cut, for errors that fall with the square of it. The
     /// outline is off by as much as the greatest error is.
     #[must_use]
     pub fn parts(&self) -> u32 {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::{Clock, Error, grids, median};
+use super::{BenchError, Clock, grids, median};
 use curvetri::curved::{CurvedMesh, CurvedOptions, FlatTriangles, Primitives};
 use curvetri::embree::{BuildQuality, Device, Geometry, GeometryBuilder, Scene, SceneBuilder};
 use curvetri::mesh::{Mesh, weld};
@@ -12,18 +12,18 @@ use curvetri::method::{BoundsKind, Solver, Surface};
 /// A form with its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedForm {
-    /// As it appears in reports and is asked for.
+    /// As it appears in reports and in options.
     pub name: String,
     /// The form.
-    pub form: Form,
+    pub form: TracedForm,
 }
 
 /// What a mesh's triangles are traced as.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Form {
+pub enum TracedForm {
     /// Embree's own triangles.
     Flat {
-        /// Without gaps at their sides, a little slower.
+        /// Without gaps at their edges, a little slower.
         robust: bool,
     },
     /// Curved patches.
@@ -48,7 +48,7 @@ pub enum Form {
 /// How finely the curved surface is cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cut {
-    /// Into so many parts a side.
+    /// Into so many parts an edge.
     Parts(u32),
     /// As finely as it takes to be as near to the true surface as the curved one is.
     EqualError,
@@ -66,11 +66,11 @@ const SMALL_LEAVES: &str = "object_accel_max_leaf_size=4";
 #[must_use]
 pub fn forms() -> Vec<NamedForm> {
     let mut forms = Vec::new();
-    let mut add = |name: &str, form: Form| {
+    let mut add = |name: &str, form: TracedForm| {
         let name = name.to_owned();
         forms.push(NamedForm { name, form });
     };
-    let with = |options, device, compact| Form::Curved {
+    let with = |options, device, compact| TracedForm::Curved {
         options,
         device,
         compact,
@@ -86,13 +86,13 @@ pub fn forms() -> Vec<NamedForm> {
         bounds: BoundsKind::Sphere,
         ..triangles
     };
-    add(BASELINE, Form::BASELINE);
-    add("flat-robust", Form::Flat { robust: true });
+    add(BASELINE, TracedForm::BASELINE);
+    add("flat-robust", TracedForm::Flat { robust: true });
     add(DEFAULT, curved(plain));
     add("smooth-leaf4", with(plain, SMALL_LEAVES, false));
     add("smooth-compact", with(plain, "", true));
     for (name, quality) in [("low", BuildQuality::Low), ("high", BuildQuality::High)] {
-        let form = Form::Curved {
+        let form = TracedForm::Curved {
             options: plain,
             device: "",
             compact: false,
@@ -100,11 +100,11 @@ pub fn forms() -> Vec<NamedForm> {
         };
         add(&format!("smooth-{name}"), form);
     }
-    let apart = CurvedOptions {
-        flat: FlatTriangles::Apart,
+    let separate = CurvedOptions {
+        flat: FlatTriangles::Separate,
         ..plain
     };
-    add("smooth-flat-apart", curved(apart));
+    add("smooth-flat-apart", curved(separate));
     add("smooth-triangles", curved(triangles));
     add(
         "smooth-triangles-leaf4",
@@ -121,8 +121,11 @@ pub fn forms() -> Vec<NamedForm> {
         add(&format!("smooth-ita{step}"), form);
     }
     for (name, form) in [
-        ("tessellated", Form::Tessellated as fn(Cut) -> Form),
-        ("grids", Form::Grids),
+        (
+            "tessellated",
+            TracedForm::Tessellated as fn(Cut) -> TracedForm,
+        ),
+        ("grids", TracedForm::Grids),
     ] {
         for parts in [2, 4, 8] {
             add(
@@ -132,7 +135,7 @@ pub fn forms() -> Vec<NamedForm> {
         }
         add(&format!("{name}-equal"), form(Cut::EqualError));
     }
-    add("subdivision-4", Form::Subdivision(4));
+    add("subdivision-4", TracedForm::Subdivision(4));
     forms
 }
 
@@ -141,7 +144,7 @@ pub fn forms() -> Vec<NamedForm> {
 pub struct Bytes {
     /// Positions, normals and indices that tracing needs beside Embree's own copies.
     pub mesh: u64,
-    /// What is kept of each curved patch.
+    /// Packed patches and clusters.
     pub records: u64,
     /// Embree's own copies of vertices and indices.
     pub buffers: u64,
@@ -203,7 +206,7 @@ mod need {
     pub const SUBDIVISION_PIECE: u64 = 45;
 }
 
-impl Form {
+impl TracedForm {
     /// The one that the others are compared with.
     pub(super) const BASELINE: Self = Self::Flat { robust: false };
 
@@ -220,7 +223,7 @@ impl Form {
         }
     }
 
-    /// Into how many parts a side is cut, if it is told: 1 for what is not cut.
+    /// Into how many parts an edge is cut, if the form says it: 1 for what is not cut.
     #[must_use]
     pub fn parts(&self) -> Option<u32> {
         match self {
@@ -240,7 +243,12 @@ impl Form {
     }
 
     /// Makes it of a mesh, a few times for its times, in turns with the baseline.
-    pub(super) fn build(&self, mesh: &Arc<Mesh>, parts: u32, clock: Clock) -> Result<Built, Error> {
+    pub(super) fn build(
+        &self,
+        mesh: &Arc<Mesh>,
+        parts: u32,
+        clock: Clock,
+    ) -> Result<Built, BenchError> {
         let start = Instant::now();
         let mut times = Vec::new();
         loop {
@@ -262,7 +270,7 @@ impl Form {
         }
     }
 
-    fn build_once(&self, mesh: &Arc<Mesh>, parts: u32, clock: Clock) -> Result<Built, Error> {
+    fn build_once(&self, mesh: &Arc<Mesh>, parts: u32, clock: Clock) -> Result<Built, BenchError> {
         let device = curvetri::linked::device_with_config(self.device())?;
         let triangles = mesh.triangles().len() as u64;
         let pieces = triangles * u64::from(parts).pow(2);
@@ -283,7 +291,7 @@ impl Form {
                 let mut making = Making::new(&device, (clock, start), triangles);
                 making.bytes.mesh = mesh.memory() as u64;
                 making.bytes.records = curved.memory() as u64;
-                let robust = options.flat == FlatTriangles::Apart;
+                let robust = options.flat == FlatTriangles::Separate;
                 making.finish_all(
                     || curved.geometries(&device),
                     |b| b.compact(*compact).robust(robust).build_quality(*quality),
@@ -353,7 +361,7 @@ impl<'a> Making<'a> {
         self,
         geometry: impl FnOnce() -> Result<GeometryBuilder, curvetri::embree::Error>,
         flags: impl FnOnce(SceneBuilder) -> SceneBuilder,
-    ) -> Result<Built, Error> {
+    ) -> Result<Built, BenchError> {
         self.finish_all(|| Ok(vec![geometry()?]), flags)
     }
 
@@ -361,7 +369,7 @@ impl<'a> Making<'a> {
         mut self,
         geometries: impl FnOnce() -> Result<Vec<GeometryBuilder>, curvetri::embree::Error>,
         flags: impl FnOnce(SceneBuilder) -> SceneBuilder,
-    ) -> Result<Built, Error> {
+    ) -> Result<Built, BenchError> {
         let start = self.clock.program_time();
         let empty = self.device.memory().current;
         let geometries = geometries()?.into_iter().map(GeometryBuilder::commit);

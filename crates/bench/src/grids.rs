@@ -1,4 +1,4 @@
-//! A tessellation as Embree's grids: one for two triangles that share a side.
+//! A tessellation as Embree's grids: one for two triangles that share an edge.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -7,7 +7,7 @@ use curvetri::curved::Tessellation;
 use curvetri::embree::Grid;
 use curvetri::mesh::{Mesh, NO_TRIANGLE, Topology};
 
-/// Two triangles, each with the corner that is not on the side they share. A triangle that found no
+/// Two triangles, each with the corner that is not on the edge they share. A triangle that found no
 /// other is alone.
 type Pair = ((usize, usize), Option<(usize, usize)>);
 
@@ -15,27 +15,27 @@ type Pair = ((usize, usize), Option<(usize, usize)>);
 pub(super) fn of(fine: &Tessellation, mesh: &Mesh) -> (Vec<Vec3>, Vec<Grid>) {
     let pairs = pairs(mesh);
     let level = fine.level();
-    let side = level + 1;
+    let places = level + 1;
     let positions = pairs
         .par_iter()
         .flat_map_iter(|pair| {
-            let places = (0..side).flat_map(|y| (0..side).map(move |x| [x, y]));
-            places.map(|place| fine.mesh().positions()[vertex(fine, pair, place) as usize])
+            let all = (0..places).flat_map(|y| (0..places).map(move |x| [x, y]));
+            all.map(|place| fine.mesh().positions()[vertex(fine, pair, place) as usize])
         })
         .collect();
     let grids = (0..pairs.len() as u32)
         .map(|n| Grid {
-            first: n * side * side,
-            stride: side,
-            width: side as u16,
-            height: side as u16,
+            first: n * places * places,
+            stride: places,
+            width: places as u16,
+            height: places as u16,
         })
         .collect();
     (positions, grids)
 }
 
 /// The vertex at a place of a pair's grid: the first triangle's far corner is at (0, 0), the other's
-/// at the opposite one, and the side they share runs between.
+/// at the opposite one, and the edge they share runs between.
 fn vertex(fine: &Tessellation, &(one, other): &Pair, [x, y]: [u32; 2]) -> u32 {
     let level = fine.level();
     let at = |(triangle, far): (usize, usize), [next, previous]: [u32; 2]| {
@@ -48,12 +48,12 @@ fn vertex(fine: &Tessellation, &(one, other): &Pair, [x, y]: [u32; 2]) -> u32 {
     match other {
         _ if x + y <= level => at(one, [x, y]),
         Some(other) => at(other, [level - x, level - y]),
-        // folded onto the side, without area
+        // folded onto the edge, without area
         None => at(one, [level - y, y]),
     }
 }
 
-/// Pairs triangles whose common side is the longest of both first, as in quadrangles that were cut,
+/// Pairs triangles whose common edge is the longest of both first, as in quadrangles that were cut,
 /// and then as it comes.
 fn pairs(mesh: &Mesh) -> Vec<Pair> {
     let topology = Topology::new(mesh);
@@ -65,35 +65,35 @@ fn pairs(mesh: &Mesh) -> Vec<Pair> {
             .max_by(|&a, &b| length(a).total_cmp(&length(b)))
             .unwrap_or(0)
     };
-    // the neighbour's side that is this one, run through the other way
+    // the neighbour's edge that is this one, run through the other way
     let across = |triangle: usize, k: usize| {
         let neighbour = topology.neighbours(triangle)[k];
         let ours = mesh.triangle_positions(triangle);
         (neighbour != NO_TRIANGLE && neighbour as usize != triangle).then_some(())?;
         let theirs = mesh.triangle_positions(neighbour as usize);
-        let side =
+        let edge =
             (0..3).find(|&s| theirs[s] == ours[(k + 1) % 3] && theirs[(s + 1) % 3] == ours[k])?;
-        Some((neighbour as usize, side))
+        Some((neighbour as usize, edge))
     };
     let mut free = vec![true; count];
     let mut pairs = Vec::with_capacity(count / 2 + 1);
     for only_longest in [true, false] {
         for triangle in 0..count {
-            let sides = if only_longest {
+            let edges = if only_longest {
                 let k = longest(triangle);
                 k..k + 1
             } else {
                 0..3
             };
-            let partner = sides.filter_map(|k| Some((k, across(triangle, k)?))).find(
-                |&(_, (other, side))| free[other] && (!only_longest || longest(other) == side),
+            let partner = edges.filter_map(|k| Some((k, across(triangle, k)?))).find(
+                |&(_, (other, edge))| free[other] && (!only_longest || longest(other) == edge),
             );
-            let Some((k, (other, side))) = partner.filter(|_| free[triangle]) else {
+            let Some((k, (other, edge))) = partner.filter(|_| free[triangle]) else {
                 continue;
             };
             free[triangle] = false;
             free[other] = false;
-            pairs.push(((triangle, (k + 2) % 3), Some((other, (side + 2) % 3))));
+            pairs.push(((triangle, (k + 2) % 3), Some((other, (edge + 2) % 3))));
         }
     }
     pairs.extend((0..count).filter(|&t| free[t]).map(|t| ((t, 0), None)));

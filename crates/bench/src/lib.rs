@@ -1,6 +1,6 @@
 //! How fast the curved form of a mesh is against the flat one, in one run on the same rays.
 //!
-//! [`measure`] traces a mesh in many [forms](Form): Embree's own flat triangles, the baseline; curved
+//! [`measure`] traces a mesh in many [forms](TracedForm): Embree's own flat triangles, the baseline; curved
 //! triangles in all their ways; and the curved surface cut into flat ones. Each form is built in turn
 //! and traced in rounds with the baseline in between, so that what else the machine does falls on
 //! both; ratios are medians over the rounds. [`goals`] draws the project's goals from the reports.
@@ -33,18 +33,18 @@ use rays::RayMaker;
 
 pub use clock::Clock;
 pub use equal::{SurfaceErrors, Truth};
-pub use forms::{BASELINE, BuildTimes, Bytes, Cut, DEFAULT, Form, NamedForm, forms};
+pub use forms::{BASELINE, BuildTimes, Bytes, Cut, DEFAULT, NamedForm, TracedForm, forms};
 pub use goals::{Goal, goals};
 pub use machine::{Machine, spare_memory};
 pub use measure::Way;
 pub use rays::RayKind;
-pub use report::{FormReport, MeshReport, Misses, Outcome, RayRow, Spread};
+pub use report::{FormReport, MedianRange, MeshReport, Misses, Outcome, RayRow};
 pub use torus::{TorusBytes, torus_bytes};
 
 /// Why nothing was measured.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-pub enum Error {
+pub enum BenchError {
     /// Embree's own reason.
     #[error(transparent)]
     Embree(#[from] embree::Error),
@@ -52,7 +52,7 @@ pub enum Error {
     #[error(transparent)]
     Mesh(#[from] MeshError),
     /// Threads cannot be started.
-    #[error("cannot start the threads: {0}")]
+    #[error("cannot start the threads")]
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
@@ -68,7 +68,7 @@ pub struct Subject {
 
 /// What is measured, and how thoroughly.
 #[derive(Clone, Debug)]
-pub struct Options {
+pub struct BenchOptions {
     /// The forms, of which the baseline is measured always.
     pub forms: Vec<NamedForm>,
     /// The kinds of rays.
@@ -81,14 +81,14 @@ pub struct Options {
     pub clock: Clock,
     /// Numbers of threads to trace on.
     pub threads: Vec<usize>,
-    /// The ways of asking the baseline and the default; of these, other forms are asked in the
-    /// [few](Way::FEW) that may be best, or in all where none is.
+    /// The ways in which the baseline and the default are traced. Other forms are traced in those of them that
+    /// may be [best](Way::FEW), or in all where none of these is there.
     pub ways: Vec<Way>,
     /// Bytes that a form may need; larger ones are left out.
     pub memory: u64,
 }
 
-impl Default for Options {
+impl Default for BenchOptions {
     fn default() -> Self {
         let mut threads = vec![1, machine::all_threads()];
         threads.dedup();
@@ -105,7 +105,7 @@ impl Default for Options {
     }
 }
 
-impl Options {
+impl BenchOptions {
     /// What is over within a minute, for a mesh of ten thousand triangles: fewer forms, rays and rounds.
     #[must_use]
     pub fn quick() -> Self {
@@ -127,17 +127,17 @@ impl Options {
     }
 }
 
-/// Measures a mesh; `progress` is told what is being done.
+/// Measures a mesh; `progress` gets a few words on what is being done.
 ///
 /// # Errors
 /// If Embree, the threads or a cut fail.
 pub fn measure(
     subject: &Subject,
-    options: &Options,
+    options: &BenchOptions,
     progress: &dyn Fn(&str),
-) -> Result<MeshReport, Error> {
+) -> Result<MeshReport, BenchError> {
     progress(&format!("{}: making rays", subject.name));
-    let bench = Bench::new(subject, options)?;
+    let bench = BenchRun::new(subject, options)?;
     progress(&format!("{}: {BASELINE}", subject.name));
     let (flat, baseline) = bench.baseline()?;
     let mut forms = vec![baseline];
@@ -158,8 +158,8 @@ pub fn measure(
 }
 
 /// A mesh with its rays.
-struct Bench<'a> {
-    options: &'a Options,
+struct BenchRun<'a> {
+    options: &'a BenchOptions,
     mesh: Arc<Mesh>,
     curved: Arc<CurvedMesh>,
     errors: Option<SurfaceErrors>,
@@ -170,8 +170,8 @@ struct Bench<'a> {
     pools: Vec<ThreadPool>,
 }
 
-impl<'a> Bench<'a> {
-    fn new(subject: &Subject, options: &'a Options) -> Result<Self, Error> {
+impl<'a> BenchRun<'a> {
+    fn new(subject: &Subject, options: &'a BenchOptions) -> Result<Self, BenchError> {
         let mesh = Arc::new(shuffle::shuffled(&subject.mesh).ordered());
         let curved = Arc::new(CurvedMesh::new(mesh.clone(), &CurvedOptions::default()));
         let scene = curved_scene(&curved)?;
@@ -201,8 +201,8 @@ impl<'a> Bench<'a> {
     }
 
     /// Builds and measures the form that the others are compared with.
-    fn baseline(&self) -> Result<(Scene, FormReport), Error> {
-        let built = Form::BASELINE.build(&self.mesh, 1, self.options.clock)?;
+    fn baseline(&self) -> Result<(Scene, FormReport), BenchError> {
+        let built = TracedForm::BASELINE.build(&self.mesh, 1, self.options.clock)?;
         let mut report = FormReport::new(BASELINE, &built);
         for rays in &self.rays {
             for pool in &self.pools {
@@ -231,27 +231,13 @@ impl<'a> Bench<'a> {
         named: &NamedForm,
         flat: &Scene,
         baseline: &FormReport,
-    ) -> Result<FormReport, Error> {
-        let parts = named
-            .form
-            .parts()
-            .or(self.errors.map(|errors| errors.parts()));
-        let Some(parts) = parts else {
-            let reason = "the true surface is not known".to_owned();
-            return Ok(FormReport::skipped(&named.name, reason));
+    ) -> Result<FormReport, BenchError> {
+        let parts = match self.parts(named) {
+            Ok(parts) => parts,
+            Err(reason) => return Ok(FormReport::skipped(&named.name, reason)),
         };
-        let need = named.form.need(&self.mesh, parts);
-        if need > self.options.memory {
-            let gigabytes = |bytes: u64| bytes as f64 * 1e-9;
-            let reason = format!(
-                "cut into {parts} parts a side it needs about {:.1} GB, more than {:.1} GB",
-                gigabytes(need),
-                gigabytes(self.options.memory)
-            );
-            return Ok(FormReport::skipped(&named.name, reason));
-        }
         let built = match named.form.build(&self.mesh, parts, self.options.clock) {
-            Err(Error::Mesh(error)) => {
+            Err(BenchError::Mesh(error)) => {
                 return Ok(FormReport::skipped(&named.name, error.to_string()));
             }
             built => built?,
@@ -265,30 +251,59 @@ impl<'a> Bench<'a> {
                     .best(rays.kind, threads)
                     .expect("the baseline has all kinds")
                     .way;
-                let ways = self.ways(&named.name, rays.kind);
-                let mut times = vec![Vec::new(); ways.len()];
-                let mut flat_times = Vec::new();
-                for _ in 0..self.options.rounds {
-                    flat_times.push(rays.time(flat, flat_way, pool, self.options.clock));
-                    for (way, times) in ways.iter().zip(&mut times) {
-                        times.push(rays.time(&built.scene, *way, pool, self.options.clock));
-                    }
-                }
-                for (way, times) in ways.iter().zip(times) {
-                    let ratios = flat_times
-                        .iter()
-                        .zip(&times)
-                        .map(|(flat, time)| flat / time);
-                    let ratios = ratios.collect();
-                    let row = self.row(&built.scene, rays, *way, pool, times, ratios);
-                    report.rows.push(row);
-                }
+                let flat = (flat, flat_way);
+                report
+                    .rows
+                    .extend(self.in_turns(&named.name, &built.scene, flat, rays, pool));
             }
         }
         if is_other_solver(&named.form) {
             report.misses = Some(self.misses(&built.scene));
         }
         Ok(report)
+    }
+
+    /// Into how many parts a form's edges are cut, or why it is not measured.
+    fn parts(&self, named: &NamedForm) -> Result<u32, String> {
+        let parts = named.form.parts();
+        let parts = parts.or(self.errors.map(|errors| errors.parts()));
+        let parts = parts.ok_or("the true surface is not known")?;
+        let need = named.form.need(&self.mesh, parts);
+        if need > self.options.memory {
+            let gigabytes = |bytes: u64| bytes as f64 * 1e-9;
+            return Err(format!(
+                "cut into {parts} parts an edge it needs about {:.1} GB, more than {:.1} GB",
+                gigabytes(need),
+                gigabytes(self.options.memory)
+            ));
+        }
+        Ok(parts)
+    }
+
+    /// Traces rays in all ways of a form, in turns with the baseline in its best way.
+    fn in_turns(
+        &self,
+        form: &str,
+        scene: &Scene,
+        (flat, flat_way): (&Scene, Way),
+        rays: &PackedRays,
+        pool: &ThreadPool,
+    ) -> Vec<RayRow> {
+        let ways = self.ways(form, rays.kind);
+        let mut times = vec![Vec::new(); ways.len()];
+        let mut flat_times = Vec::new();
+        for _ in 0..self.options.rounds {
+            flat_times.push(rays.time(flat, flat_way, pool, self.options.clock));
+            for (way, times) in ways.iter().zip(&mut times) {
+                times.push(rays.time(scene, *way, pool, self.options.clock));
+            }
+        }
+        let rows = ways.iter().zip(times).map(|(way, times)| {
+            let ratios = flat_times.iter().zip(&times);
+            let ratios = ratios.map(|(flat, time)| flat / time).collect();
+            self.row(scene, rays, *way, pool, times, ratios)
+        });
+        rows.collect()
     }
 
     fn row(
@@ -306,15 +321,15 @@ impl<'a> Bench<'a> {
             kind: rays.kind,
             way,
             threads: pool.current_num_threads(),
-            mray_per_second: Spread::of(times.iter().map(speed).collect()),
-            ratio: Spread::of(ratios),
+            mray_per_second: MedianRange::of(times.iter().map(speed).collect()),
+            ratio: MedianRange::of(ratios),
             rays: rays.count as u64,
             hits,
             kernel,
         }
     }
 
-    /// The ways in which a form is asked: the main forms in all that are wanted, others in those that may be best.
+    /// The ways in which a form is traced: the main forms in all that are wanted, others in those that may be best.
     fn ways(&self, form: &str, kind: RayKind) -> Vec<Way> {
         let wanted = &self.options.ways;
         let [single, packets] = Way::FEW;
@@ -349,10 +364,10 @@ impl<'a> Bench<'a> {
 }
 
 /// Whether a form is the default surface with other roots.
-fn is_other_solver(form: &Form) -> bool {
+fn is_other_solver(form: &TracedForm) -> bool {
     let plain = CurvedOptions::default();
     match form {
-        Form::Curved { options, .. } => {
+        TracedForm::Curved { options, .. } => {
             options.solver != plain.solver
                 && *options
                     == CurvedOptions {
@@ -364,7 +379,7 @@ fn is_other_solver(form: &Form) -> bool {
     }
 }
 
-fn curved_scene(curved: &Arc<CurvedMesh>) -> Result<Scene, Error> {
+fn curved_scene(curved: &Arc<CurvedMesh>) -> Result<Scene, BenchError> {
     let device = curvetri::linked::device()?;
     let mut builder = SceneBuilder::new(&device)?;
     builder.attach(&Geometry::user(&device, curved.clone())?.commit()?);

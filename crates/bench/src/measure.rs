@@ -10,7 +10,7 @@ use super::rays::RayKind;
 use curvetri::curved::{Counters, counters};
 use curvetri::embree::{QueryOptions, Ray, RayPacket, Scene, Traced, Width, flush_denormals};
 
-/// How Embree is asked.
+/// How rays are handed to Embree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Way {
     /// Rays a packet: 1, 4, 8 or 16.

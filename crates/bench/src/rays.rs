@@ -47,7 +47,7 @@ impl RayKind {
         }
     }
 
-    /// Whether it is only asked if anything is hit.
+    /// Whether only occlusion is traced: if anything is hit.
     #[must_use]
     pub fn is_occlusion(self) -> bool {
         matches!(self, Self::Shadow | Self::AmbientOcclusion)
@@ -70,7 +70,7 @@ const PROBES: usize = 64;
 const LEAST_HITS: f64 = 0.7;
 /// Length of ambient occlusion rays over the mesh's diagonal.
 const NEAR: f32 = 0.2;
-/// How far off the surface secondary rays start: over their triangle's longest side, ...
+/// How far off the surface secondary rays start: over their triangle's longest edge, ...
 const OFF_SIDE: f32 = 0.02;
 /// ... and over the height of the curved surface there, so that they leave all forms.
 const OFF_HEIGHT: f32 = 1.5;
@@ -158,24 +158,24 @@ impl<'a> RayMaker<'a> {
     }
 
     /// A camera that sees as much of the mesh as it can while most rays hit.
-    fn camera(&self) -> Camera {
+    fn camera(&self) -> PrimaryCamera {
         let (centre, diagonal) = (self.centre(), self.diagonal());
         let eye = centre + 2.0 * diagonal * VIEW.normalize();
-        let whole = Camera::new(eye, centre, 0.25);
+        let whole = PrimaryCamera::new(eye, centre, 0.25);
         let hits = |column: usize, row: usize| {
             let at = |n: usize| 2.0 * (n as f32 + 0.5) / PROBES as f32 - 1.0;
             let ray = whole.ray(at(column), at(row));
             let hit = self.scene.intersect1(&ray, &QueryOptions::default());
             hit.is_some()
         };
-        let window = largest_window(hits).unwrap_or(Window {
+        let window = largest_window(hits).unwrap_or(ProbeWindow {
             corner: [0, 0],
             side: PROBES,
         });
         let share = window.side as f32 / PROBES as f32;
         let middle = |n: usize| 2.0 * n as f32 / PROBES as f32 + share - 1.0;
         let target = whole.ray(middle(window.corner[0]), middle(window.corner[1]));
-        Camera::new(eye, target.at(1.0), share * whole.reach)
+        PrimaryCamera::new(eye, target.at(1.0), share * whole.reach)
     }
 
     /// Where primary rays hit, in their order.
@@ -249,14 +249,14 @@ impl<'a> RayMaker<'a> {
 }
 
 /// A square of the probes.
-struct Window {
+struct ProbeWindow {
     /// Column and row of its first probe.
     corner: [usize; 2],
     side: usize,
 }
 
 /// The largest square of which [`LEAST_HITS`] hit, of those of one size the one that hits most.
-fn largest_window(hits: impl Fn(usize, usize) -> bool) -> Option<Window> {
+fn largest_window(hits: impl Fn(usize, usize) -> bool) -> Option<ProbeWindow> {
     // how many hit in the rows and columns before
     let mut before = vec![[0_u32; PROBES + 1]; PROBES + 1];
     for row in 0..PROBES {
@@ -276,11 +276,11 @@ fn largest_window(hits: impl Fn(usize, usize) -> bool) -> Option<Window> {
             .flat_map(|y| places.clone().map(move |x| [x, y]));
         let corner = corners.max_by_key(|corner| count(*corner, side))?;
         let enough = f64::from(count(corner, side)) >= LEAST_HITS * (side * side) as f64;
-        enough.then_some(Window { corner, side })
+        enough.then_some(ProbeWindow { corner, side })
     })
 }
 
-struct Camera {
+struct PrimaryCamera {
     eye: Vec3,
     forward: Vec3,
     right: Vec3,
@@ -289,7 +289,7 @@ struct Camera {
     reach: f32,
 }
 
-impl Camera {
+impl PrimaryCamera {
     fn new(eye: Vec3, target: Vec3, reach: f32) -> Self {
         let forward = (target - eye).normalize();
         let right = forward.cross(Vec3::Z).normalize_or(Vec3::X);

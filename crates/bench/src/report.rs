@@ -46,7 +46,7 @@ pub struct FormReport {
     pub name: String,
     /// Whether it was measured; if not the rest is empty.
     pub outcome: Outcome,
-    /// Into how many parts each side was cut; 1 for what is not cut.
+    /// Into how many parts each edge was cut; 1 for what is not cut.
     pub parts: u32,
     /// Primitives of Embree's: triangles, grids, faces.
     pub primitives: u64,
@@ -73,7 +73,7 @@ pub struct Misses {
     pub gained: u64,
 }
 
-/// How fast rays of a kind are in one form when asked in one way.
+/// How fast rays of a kind are in one form when traced in one way.
 #[derive(Clone, Debug)]
 pub struct RayRow {
     /// The kind.
@@ -83,9 +83,9 @@ pub struct RayRow {
     /// Threads.
     pub threads: usize,
     /// Millions of rays a second, all threads together.
-    pub mray_per_second: Spread,
+    pub mray_per_second: MedianRange,
     /// Speed over the baseline's at its best of widths and flags.
-    pub ratio: Spread,
+    pub ratio: MedianRange,
     /// Rays.
     pub rays: u64,
     /// Rays that hit.
@@ -132,7 +132,7 @@ fn share(part: u64, whole: u64) -> f64 {
 
 /// A figure that was taken several times.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Spread {
+pub struct MedianRange {
     /// The middle value.
     pub median: f64,
     /// The least.
@@ -141,7 +141,7 @@ pub struct Spread {
     pub greatest: f64,
 }
 
-impl Spread {
+impl MedianRange {
     pub(super) fn of(values: Vec<f64>) -> Self {
         Self {
             least: values.iter().copied().fold(f64::INFINITY, f64::min),

@@ -1,19 +1,19 @@
 use super::*;
 use curvetri_bodies::bumpy_torus;
 
-fn tiny(forms: Vec<NamedForm>) -> (Subject, Options) {
+fn tiny(forms: Vec<NamedForm>) -> (Subject, BenchOptions) {
     let subject = Subject {
         name: "tiny".to_owned(),
         mesh: bumpy_torus(3000),
         truth: Some(curvetri_bodies::bumpy_torus_distance),
     };
-    let options = Options {
+    let options = BenchOptions {
         forms,
         rays: 4096,
         rounds: 1,
         threads: vec![1],
         ways: Way::ALL.to_vec(),
-        ..Options::default()
+        ..BenchOptions::default()
     };
     (subject, options)
 }
@@ -52,10 +52,10 @@ fn all_forms_see_the_same_rays_and_hit_alike() {
 #[test]
 fn goals_are_drawn_from_what_was_measured() {
     let wanted = ["flat", "smooth", "tessellated-x16"];
-    let kept = forms()
+    let some = forms()
         .into_iter()
         .filter(|form| wanted.contains(&form.name.as_str()));
-    let (subject, options) = tiny(kept.collect());
+    let (subject, options) = tiny(some.collect());
     let report = measure(&subject, &options, &|_| ()).unwrap();
     let goals = goals(&[report], None);
     let reached = |what: &str| {
@@ -72,11 +72,11 @@ fn goals_are_drawn_from_what_was_measured() {
 #[test]
 fn what_does_not_fit_into_memory_is_left_out_with_a_reason() {
     let wanted = ["smooth", "tessellated-x64"];
-    let kept = forms()
+    let some = forms()
         .into_iter()
         .filter(|form| wanted.contains(&form.name.as_str()));
-    let (subject, options) = tiny(kept.collect());
-    let options = Options {
+    let (subject, options) = tiny(some.collect());
+    let options = BenchOptions {
         memory: 10_000_000,
         kinds: vec![RayKind::Primary],
         ..options

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::forms::{Cut, Form};
-use super::{Clock, Error, SurfaceErrors};
+use super::forms::{Cut, TracedForm};
+use super::{BenchError, Clock, SurfaceErrors};
 use curvetri::curved::{CurvedMesh, CurvedOptions};
 use curvetri::embree::BuildQuality;
 use curvetri_bodies::Body;
@@ -14,7 +14,7 @@ use curvetri_bodies::Body;
 pub struct TorusBytes {
     /// The errors, over the torus's ring radius.
     pub errors: SurfaceErrors,
-    /// Into how many parts each side is cut.
+    /// Into how many parts each edge is cut.
     pub parts: u32,
     /// Bytes of the curved triangles, all together.
     pub curved: u64,
@@ -28,24 +28,26 @@ pub struct TorusBytes {
 ///
 /// # Errors
 /// If Embree fails.
-pub fn torus_bytes() -> Result<TorusBytes, Error> {
+pub fn torus_bytes() -> Result<TorusBytes, BenchError> {
     let body = Body::torus(48, 64);
     let mesh = Arc::new(body.mesh());
     let curved = CurvedMesh::new(mesh.clone(), &CurvedOptions::default());
     let errors = SurfaceErrors::of(&curved, |p| body.signed_distance(p));
     let parts = errors.parts();
-    let plain = Form::Curved {
+    let plain = TracedForm::Curved {
         options: CurvedOptions::default(),
         device: "",
         compact: false,
         quality: BuildQuality::Medium,
     };
-    let bytes = |form: Form| Ok::<_, Error>(form.build(&mesh, parts, Clock::Wall)?.bytes.total());
+    let bytes = |form: TracedForm| {
+        Ok::<_, BenchError>(form.build(&mesh, parts, Clock::Wall)?.bytes.total())
+    };
     Ok(TorusBytes {
         errors,
         parts,
         curved: bytes(plain)?,
-        tessellated: bytes(Form::Tessellated(Cut::EqualError))?,
-        grids: bytes(Form::Grids(Cut::EqualError))?,
+        tessellated: bytes(TracedForm::Tessellated(Cut::EqualError))?,
+        grids: bytes(TracedForm::Grids(Cut::EqualError))?,
     })
 }

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use clap::Args;
 use curvetri::embree::Device;
-use curvetri_accuracy::{Model, Needed, Options, Row};
+use curvetri_accuracy::{AccuracyOptions, BodyRow, Needed, SurfaceModel};
 use curvetri_bodies::Body;
 
 use super::accuracy_report::{json, text};
@@ -37,12 +37,12 @@ pub struct AccuracyArgs {
     peers: bool,
 
     /// Points on each body; each triangle gets at least 8
-    #[arg(long, value_name = "N", default_value_t = Options::default().samples,
+    #[arg(long, value_name = "N", default_value_t = AccuracyOptions::default().samples,
           value_parser = values::samples)]
     samples: usize,
 
     /// Seed of the positions of the points
-    #[arg(long, value_name = "N", default_value_t = Options::default().seed)]
+    #[arg(long, value_name = "N", default_value_t = AccuracyOptions::default().seed)]
     seed: u64,
 
     /// Threads to use [default: all]
@@ -51,8 +51,8 @@ pub struct AccuracyArgs {
 }
 
 /// What was measured.
-pub struct Report {
-    pub rows: Vec<Row>,
+pub struct AccuracyReport {
+    pub rows: Vec<BodyRow>,
     /// Only with --peers.
     pub peers: Option<Convergence>,
 }
@@ -65,7 +65,7 @@ pub struct Convergence {
 
 /// A model's observed orders of convergence from one torus to the next finer one.
 pub struct Orders {
-    pub model: Model,
+    pub model: SurfaceModel,
     pub from: String,
     pub to: String,
     pub max: f64,
@@ -85,14 +85,18 @@ pub fn run(args: &AccuracyArgs, console: &Console) -> Result<()> {
     console::print(&printed)
 }
 
-fn measure(args: &AccuracyArgs, device: Option<&Device>, console: &Console) -> Result<Report> {
-    let options = Options {
+fn measure(
+    args: &AccuracyArgs,
+    device: Option<&Device>,
+    console: &Console,
+) -> Result<AccuracyReport> {
+    let options = AccuracyOptions {
         samples: args.samples,
         seed: args.seed,
     };
-    let mut models = Model::OURS.to_vec();
+    let mut models = SurfaceModel::OURS.to_vec();
     if args.peers {
-        models.extend(Model::PEERS);
+        models.extend(SurfaceModel::PEERS);
     }
     let bodies = curvetri_accuracy::bodies();
     let bar = console.progress("measuring", ((bodies.len() + 1) * models.len()) as u64);
@@ -111,10 +115,15 @@ fn measure(args: &AccuracyArgs, device: Option<&Device>, console: &Console) -> R
             .collect(),
     });
     bar.finish_and_clear();
-    Ok(Report { rows, peers })
+    Ok(AccuracyReport { rows, peers })
 }
 
-fn row(body: &Body, model: Model, options: &Options, device: Option<&Device>) -> Result<Row> {
+fn row(
+    body: &Body,
+    model: SurfaceModel,
+    options: &AccuracyOptions,
+    device: Option<&Device>,
+) -> Result<BodyRow> {
     match device {
         None => Ok(curvetri_accuracy::measure(body, model, options)),
         Some(device) => curvetri_accuracy::measure_traced(device, body, model, options)
@@ -123,7 +132,7 @@ fn row(body: &Body, model: Model, options: &Options, device: Option<&Device>) ->
 }
 
 /// Compares each torus with the one before it, by model.
-fn orders(rows: &[Row]) -> Vec<Orders> {
+fn orders(rows: &[BodyRow]) -> Vec<Orders> {
     let mut orders = Vec::new();
     for (n, coarse) in rows.iter().enumerate() {
         // The next row of the model, and a torus of four times the triangles.
@@ -143,6 +152,6 @@ fn orders(rows: &[Row]) -> Vec<Orders> {
     orders
 }
 
-fn is_torus(row: &Row) -> bool {
+fn is_torus(row: &BodyRow) -> bool {
     row.body.starts_with("torus")
 }

@@ -2,13 +2,13 @@
 
 use std::fmt::Write;
 
-use curvetri_accuracy::{Needed, Row};
+use curvetri_accuracy::{BodyRow, Needed};
 use serde_json::{Value, json};
 
-use super::accuracy::{Convergence, Orders, Report};
+use super::accuracy::{AccuracyReport, Convergence, Orders};
 
 /// One JSON object.
-pub fn json(report: &Report) -> String {
+pub fn json(report: &AccuracyReport) -> String {
     let rows: Vec<Value> = report.rows.iter().map(row_json).collect();
     let mut value = json!({ "rows": rows });
     if let Some(peers) = &report.peers {
@@ -18,7 +18,7 @@ pub fn json(report: &Report) -> String {
     format!("{value:#}\n")
 }
 
-fn row_json(row: &Row) -> Value {
+fn row_json(row: &BodyRow) -> Value {
     json!({
         "body": row.body,
         "triangles": row.triangles,
@@ -55,7 +55,7 @@ fn needed_json(needed: &Needed) -> Value {
 }
 
 /// Tables.
-pub fn text(report: &Report) -> String {
+pub fn text(report: &AccuracyReport) -> String {
     let mut text = rows_text(&report.rows);
     if let Some(peers) = &report.peers {
         text += &orders_text(peers);
@@ -64,7 +64,7 @@ pub fn text(report: &Report) -> String {
     text
 }
 
-fn rows_text(rows: &[Row]) -> String {
+fn rows_text(rows: &[BodyRow]) -> String {
     let mut text = format!(
         "{:18} {:>9}  {:8} {:>8} {:>8} {:>8} {:>8}\n",
         "body", "triangles", "surface", "max", "mean", "normal", "jump"
@@ -88,7 +88,7 @@ fn rows_text(rows: &[Row]) -> String {
         );
     }
     text + "\nmax, mean      distance to the true surface over the body's largest diameter\n\
-            normal, jump   mean angle to the true normal, mean jump across sides, degrees\n\
+            normal, jump   mean angle to the true normal, mean jump across edges, degrees\n\
             paper          the angular surface as the paper's own algorithm finds it\n"
 }
 
@@ -102,7 +102,7 @@ fn degrees(degrees: f64) -> String {
 }
 
 /// What has to be known to read a row right.
-fn remarks(row: &Row) -> String {
+fn remarks(row: &BodyRow) -> String {
     let mut remarks = String::new();
     if row.flat_by_default > 0 {
         let _ = write!(remarks, "  {} flat by default", row.flat_by_default);

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use clap::Args;
 use curvetri::mesh::Loader;
-use curvetri::render::OutputFile;
+use curvetri::output::OutputFile;
 use curvetri_bench::{
-    Clock, Goal, Machine, MeshReport, NamedForm, Options, RayKind, Subject, TorusBytes, Way,
+    BenchOptions, Clock, Goal, Machine, MeshReport, NamedForm, RayKind, Subject, TorusBytes, Way,
 };
 use curvetri_bodies::{bumpy_torus, bumpy_torus_distance};
 
@@ -86,9 +86,9 @@ pub struct BenchArgs {
 }
 
 /// What was measured.
-pub struct Report {
+pub struct BenchReport {
     pub machine: Machine,
-    pub options: Options,
+    pub options: BenchOptions,
     pub meshes: Vec<MeshReport>,
     pub torus: TorusBytes,
     pub goals: Vec<Goal>,
@@ -124,7 +124,7 @@ pub fn run(args: &BenchArgs, console: &Console) -> Result<()> {
     let torus = curvetri_bench::torus_bytes().context("cannot measure the torus")?;
     bar.finish_and_clear();
     let goals = curvetri_bench::goals(&meshes, Some(&torus));
-    let report = Report {
+    let report = BenchReport {
         machine,
         options,
         meshes,
@@ -142,7 +142,7 @@ pub fn run(args: &BenchArgs, console: &Console) -> Result<()> {
     })
 }
 
-fn measure(subject: &Subject, options: &Options, say: &dyn Fn(&str)) -> Result<MeshReport> {
+fn measure(subject: &Subject, options: &BenchOptions, say: &dyn Fn(&str)) -> Result<MeshReport> {
     curvetri_bench::measure(subject, options, say)
         .with_context(|| format!("cannot measure {}", subject.name))
 }
@@ -165,11 +165,11 @@ impl BenchArgs {
         }
     }
 
-    fn options(&self) -> Result<Options> {
+    fn options(&self) -> Result<BenchOptions> {
         let mut options = if self.quick {
-            Options::quick()
+            BenchOptions::quick()
         } else {
-            Options::default()
+            BenchOptions::default()
         };
         if !self.forms.is_empty() {
             options.forms = named(
@@ -203,18 +203,18 @@ impl BenchArgs {
     }
 }
 
-/// Those of all that are asked for by their names.
+/// Those of all that have one of the wanted names.
 fn named<T: Clone>(
     wanted: &[String],
     all: Vec<T>,
     what: &str,
     name: impl Fn(&T) -> String,
 ) -> Result<Vec<T>> {
-    for asked in wanted {
-        if !all.iter().any(|one| name(one) == *asked) {
+    for wanted_name in wanted {
+        if !all.iter().any(|one| name(one) == *wanted_name) {
             let names: Vec<String> = all.iter().map(&name).collect();
             return usage(format!(
-                "there is no {what} named {asked}; there are {}",
+                "there is no {what} named {wanted_name}; there are {}",
                 names.join(", ")
             ));
         }

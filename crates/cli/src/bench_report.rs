@@ -3,14 +3,14 @@
 use std::fmt::Write;
 
 use curvetri_bench::{
-    BASELINE, Clock, FormReport, Goal, MeshReport, Outcome, RayKind, RayRow, Spread,
+    BASELINE, Clock, FormReport, Goal, MedianRange, MeshReport, Outcome, RayKind, RayRow,
 };
 use serde_json::{Value, json};
 
-use super::bench::Report;
+use super::bench::BenchReport;
 
 /// One JSON object. Times are in seconds, memory in bytes.
-pub fn json(report: &Report) -> String {
+pub fn json(report: &BenchReport) -> String {
     let machine = &report.machine;
     let meshes: Vec<Value> = report.meshes.iter().map(mesh_json).collect();
     let goals: Vec<Value> = report.goals.iter().map(goal_json).collect();
@@ -95,8 +95,8 @@ fn row_json(row: &RayRow) -> Value {
         "width": row.way.width,
         "coherent": row.way.coherent,
         "threads": row.threads,
-        "mray_per_second": spread_json(&row.mray_per_second),
-        "ratio_to_flat": spread_json(&row.ratio),
+        "mray_per_second": median_range_json(&row.mray_per_second),
+        "ratio_to_flat": median_range_json(&row.ratio),
         "rays": row.rays,
         "hit_share": row.hit_share(),
         "callbacks_per_ray": row.callbacks_per_ray(),
@@ -106,7 +106,7 @@ fn row_json(row: &RayRow) -> Value {
     })
 }
 
-fn spread_json(spread: &Spread) -> Value {
+fn median_range_json(spread: &MedianRange) -> Value {
     json!({ "median": spread.median, "min": spread.least, "max": spread.greatest })
 }
 
@@ -128,30 +128,30 @@ fn goal_json(goal: &Goal) -> Value {
 }
 
 /// Tables for people.
-pub fn text(report: &Report) -> String {
-    tables(report).iter().map(Table::text).collect()
+pub fn text(report: &BenchReport) -> String {
+    tables(report).iter().map(TextTable::text).collect()
 }
 
 /// The same as a page of documentation.
-pub fn markdown(report: &Report) -> String {
+pub fn markdown(report: &BenchReport) -> String {
     let intro = "# Measured speed and memory\n\nWritten by `curvetri bench --markdown`. A ratio compares \
                  a form with Embree's flat triangles on the same rays. The two take turns, and the ratio \
                  is the median over the rounds. Flat triangles use the packet width and the flag that are \
                  best for them.\n";
     let tables = tables(report);
     std::iter::once(intro.to_owned())
-        .chain(tables.iter().map(Table::markdown))
+        .chain(tables.iter().map(TextTable::markdown))
         .collect()
 }
 
 /// A heading, a remark and rows, of which the first are the columns' names.
-struct Table {
+struct TextTable {
     heading: String,
     remark: String,
     rows: Vec<Vec<String>>,
 }
 
-impl Table {
+impl TextTable {
     fn new(heading: impl Into<String>, columns: &[&str]) -> Self {
         Self {
             heading: heading.into(),
@@ -205,7 +205,7 @@ impl Table {
     }
 }
 
-fn tables(report: &Report) -> Vec<Table> {
+fn tables(report: &BenchReport) -> Vec<TextTable> {
     let mut tables = vec![machine_table(report)];
     for mesh in &report.meshes {
         tables.push(sizes_table(mesh));
@@ -219,9 +219,9 @@ fn tables(report: &Report) -> Vec<Table> {
     tables
 }
 
-fn machine_table(report: &Report) -> Table {
+fn machine_table(report: &BenchReport) -> TextTable {
     let machine = &report.machine;
-    let mut table = Table::new("Machine", &["", ""]);
+    let mut table = TextTable::new("Machine", &["", ""]);
     table.remark = format!(
         "{}, {} threads, {:.0} GB, {}\nEmbree {} ({}), curvetri {}\nabout {} rays of each kind, {} rounds, {}\n",
         machine.processor,
@@ -238,7 +238,7 @@ fn machine_table(report: &Report) -> Table {
     table
 }
 
-fn clock(report: &Report) -> &'static str {
+fn clock(report: &BenchReport) -> &'static str {
     match report.options.clock {
         Clock::Wall => "wall-clock time",
         Clock::Processor => "processor time",
@@ -258,7 +258,7 @@ fn measured(mesh: &MeshReport) -> impl Iterator<Item = &FormReport> {
         .filter(|form| form.outcome == Outcome::Measured)
 }
 
-fn sizes_table(mesh: &MeshReport) -> Table {
+fn sizes_table(mesh: &MeshReport) -> TextTable {
     let columns = [
         "form",
         "primitives",
@@ -279,7 +279,7 @@ fn sizes_table(mesh: &MeshReport) -> Table {
         mesh.triangles,
         mesh.kinds.flat()
     );
-    let mut table = Table::new(heading, &columns);
+    let mut table = TextTable::new(heading, &columns);
     let flat = &mesh.forms[0];
     for form in measured(mesh) {
         let each = |bytes: u64| format!("{:.1}", bytes as f64 / mesh.triangles as f64);
@@ -317,7 +317,7 @@ fn kinds(mesh: &MeshReport) -> Vec<RayKind> {
 }
 
 /// Speeds at the best packet width, with the ratio to the baseline.
-fn speeds_table(mesh: &MeshReport, threads: usize) -> Table {
+fn speeds_table(mesh: &MeshReport, threads: usize) -> TextTable {
     let kinds = kinds(mesh);
     let mut columns = vec!["form"];
     columns.extend(kinds.iter().map(|kind| kind.name()));
@@ -326,7 +326,7 @@ fn speeds_table(mesh: &MeshReport, threads: usize) -> Table {
         mesh.name,
         if threads == 1 { "" } else { "s" }
     );
-    let mut table = Table::new(heading, &columns);
+    let mut table = TextTable::new(heading, &columns);
     for form in measured(mesh) {
         let mut cells = vec![form.name.clone()];
         cells.extend(kinds.iter().map(|&kind| {
@@ -347,7 +347,7 @@ fn speeds_table(mesh: &MeshReport, threads: usize) -> Table {
 }
 
 /// Every packet width that the main forms were traced with.
-fn ways_table(mesh: &MeshReport) -> Table {
+fn ways_table(mesh: &MeshReport) -> TextTable {
     let columns = [
         "form", "rays", "packet", "threads", "Mray/s", "spread", "ratio", "spread", "hits",
     ];
@@ -355,7 +355,7 @@ fn ways_table(mesh: &MeshReport) -> Table {
         "{}: every packet width (c: with the coherent flag)",
         mesh.name
     );
-    let mut table = Table::new(heading, &columns);
+    let mut table = TextTable::new(heading, &columns);
     for form in measured(mesh).filter(|form| [BASELINE, "smooth"].contains(&&*form.name)) {
         for row in &form.rows {
             table.rows.push(vec![
@@ -375,7 +375,7 @@ fn ways_table(mesh: &MeshReport) -> Table {
 }
 
 /// What the curved kernel did.
-fn kernel_table(mesh: &MeshReport) -> Table {
+fn kernel_table(mesh: &MeshReport) -> TextTable {
     let columns = [
         "form",
         "rays",
@@ -386,7 +386,7 @@ fn kernel_table(mesh: &MeshReport) -> Table {
         "evaluations/call",
         "lanes used",
     ];
-    let mut table = Table::new(format!("{}: the curved kernel", mesh.name), &columns);
+    let mut table = TextTable::new(format!("{}: the curved kernel", mesh.name), &columns);
     for form in measured(mesh) {
         let most = form.most_threads();
         let curved = form.rows.iter().filter(|row| row.kernel.calls > 0);
@@ -413,10 +413,10 @@ fn kernel_table(mesh: &MeshReport) -> Table {
     table
 }
 
-fn goals_table(report: &Report) -> Table {
+fn goals_table(report: &BenchReport) -> TextTable {
     let mut columns = vec!["goal", "least", "aim", "reached", "met"];
     columns.extend(report.meshes.iter().map(|mesh| mesh.name.as_str()));
-    let mut table = Table::new("Goals (medians over the meshes, all threads)", &columns);
+    let mut table = TextTable::new("Goals (medians over the meshes, all threads)", &columns);
     for goal in &report.goals {
         let figure = |figure: f64| format!("{figure:.2}");
         let met = match goal.is_met() {

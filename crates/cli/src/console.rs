@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::Result;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 
-/// Messages and progress on standard error, as much of them as was asked for.
+/// Messages and progress on standard error, as much of them as the user wants.
 pub struct Console {
     quiet: bool,
     verbose: bool,

@@ -11,6 +11,7 @@ use curvetri::render::{Form, Scene, Shape};
 use glam::DVec3;
 use serde_json::{Value, json};
 
+use super::advice::sentence;
 use super::console::{self, Console};
 use super::surface::SurfaceArgs;
 use super::values::UpChoice;
@@ -71,62 +72,86 @@ pub fn run(args: &InspectArgs, console: &Console) -> Result<()> {
     })
 }
 
+/// A name and a value a line.
+#[derive(Default)]
+struct Lines(String);
+
+impl Lines {
+    fn add(&mut self, name: &str, value: impl AsRef<str>) {
+        let _ = writeln!(self.0, "{name:10} {}", value.as_ref());
+    }
+}
+
 fn as_text(inspection: &Inspection, legend: bool) -> String {
+    let mut lines = Lines::default();
+    add_mesh(&mut lines, inspection);
+    add_method(&mut lines, inspection, legend);
+    let advice = inspection.advice();
+    if advice.is_empty() {
+        lines.add("advice", "nothing to mend");
+    }
+    for advice in &advice {
+        lines.add("advice", sentence(advice));
+    }
+    lines.0
+}
+
+/// What is in the mesh.
+fn add_mesh(lines: &mut Lines, inspection: &Inspection) {
     let Inspection {
-        report, topology, ..
+        report,
+        topology,
+        bounds,
+        edges,
+        ..
     } = inspection;
-    let mut text = String::new();
-    let mut line = |name: &str, value: String| {
-        let _ = writeln!(text, "{name:10} {value}");
-    };
-    line(
+    lines.add(
         "triangles",
         format!("{} of {} polygons", inspection.triangles, report.polygons),
     );
-    line(
+    lines.add(
         "vertices",
         format!("{} in {} places", inspection.vertices, topology.places),
     );
-    let bounds = inspection.bounds;
-    line(
+    lines.add(
         "bounds",
         format!("{} to {}", vector(bounds.min), vector(bounds.max)),
     );
     if inspection.origin != DVec3::ZERO {
-        line(
+        lines.add(
             "origin",
             format!("{}, near the mesh", vector(inspection.origin)),
         );
     }
-    let sides = inspection.sides;
-    line(
+    lines.add(
         "lengths",
         format!(
-            "sides from {:.3e}, mean {:.3e}, to {:.3e}",
-            sides.least, sides.mean, sides.greatest
+            "edges from {:.3e}, mean {:.3e}, to {:.3e}",
+            edges.least, edges.mean, edges.greatest
         ),
     );
-    line("normals", counts(&normals(inspection)));
-    line("sides", counts(&side_kinds(inspection)));
-    line(
-        "closed",
-        (if topology.is_closed() { "yes" } else { "no" }).into(),
-    );
-    line("problems", counts(&problems(inspection)));
-    line("kinds", counts(&kinds(inspection)));
+    lines.add("normals", counts(&normals(inspection)));
+    lines.add("edges", counts(&edge_kinds(inspection)));
+    lines.add("closed", if topology.is_closed() { "yes" } else { "no" });
+    lines.add("problems", counts(&problems(inspection)));
+}
+
+/// What the method does with it.
+fn add_method(lines: &mut Lines, inspection: &Inspection, legend: bool) {
+    lines.add("kinds", counts(&kinds(inspection)));
     if legend {
         let colours = paint::legend().map(|(kind, colour)| format!("{colour}: {kind}"));
         let colours: Vec<String> = colours.collect();
-        line("colours", colours.join(", ").replace('_', " "));
+        lines.add("colours", colours.join(", ").replace('_', " "));
     }
     if inspection.spheres.total() > 0 {
-        line("spheres", counts(&spheres(inspection)));
+        lines.add("spheres", counts(&spheres(inspection)));
     }
     let heights = inspection.heights;
-    line(
+    lines.add(
         "heights",
         format!(
-            "up to {:.3e} (triangle {}), and {:.1} % of the triangle's longest side (triangle {})",
+            "up to {:.3e} (triangle {}), and {:.1} % of the triangle's longest edge (triangle {})",
             heights.greatest,
             heights.greatest_at,
             100.0 * heights.steepest,
@@ -135,7 +160,7 @@ fn as_text(inspection: &Inspection, legend: bool) -> String {
     );
     let megabytes = |bytes: u64| format!("{:.2} MB", bytes as f64 * 1e-6);
     let memory = inspection.memory;
-    line(
+    lines.add(
         "memory",
         format!(
             "{}: {} mesh, {} records, {} Embree's tree at most",
@@ -145,14 +170,6 @@ fn as_text(inspection: &Inspection, legend: bool) -> String {
             megabytes(memory.tree)
         ),
     );
-    let advice = inspection.advice();
-    if advice.is_empty() {
-        line("advice", "nothing to mend".into());
-    }
-    for sentence in advice {
-        line("advice", sentence);
-    }
-    text
 }
 
 fn vector(v: DVec3) -> String {
@@ -189,15 +206,15 @@ fn normals(inspection: &Inspection) -> Vec<(&'static str, u64)> {
     ]
 }
 
-fn side_kinds(inspection: &Inspection) -> Vec<(&'static str, u64)> {
-    let sides = &inspection.topology;
+fn edge_kinds(inspection: &Inspection) -> Vec<(&'static str, u64)> {
+    let edges = &inspection.topology;
     vec![
-        ("smooth", sides.smooth),
-        ("hard", sides.hard),
-        ("boundary", sides.boundary),
-        ("non_manifold", sides.non_manifold),
-        ("doubled", sides.doubled),
-        ("flipped", sides.flipped),
+        ("smooth", edges.smooth),
+        ("hard", edges.hard),
+        ("boundary", edges.boundary),
+        ("non_manifold", edges.non_manifold),
+        ("doubled", edges.doubled),
+        ("flipped", edges.flipped),
     ]
 }
 
@@ -237,7 +254,7 @@ fn as_json(inspection: &Inspection, legend: bool) -> String {
         Value::Object(entries.collect())
     };
     let (bounds, memory) = (inspection.bounds, inspection.memory);
-    let (sides, heights) = (inspection.sides, inspection.heights);
+    let (edges, heights) = (inspection.edges, inspection.heights);
     let mut value = json!({
         "triangles": inspection.triangles,
         "polygons": inspection.report.polygons,
@@ -245,9 +262,9 @@ fn as_json(inspection: &Inspection, legend: bool) -> String {
         "places": inspection.topology.places,
         "bounds": { "min": bounds.min.to_array(), "max": bounds.max.to_array() },
         "origin": inspection.origin.to_array(),
-        "side_lengths": { "least": sides.least, "mean": sides.mean, "greatest": sides.greatest },
+        "edge_lengths": { "least": edges.least, "mean": edges.mean, "greatest": edges.greatest },
         "normals": object(normals(inspection)),
-        "sides": object(side_kinds(inspection)),
+        "edges": object(edge_kinds(inspection)),
         "closed": inspection.topology.is_closed(),
         "problems": object(problems(inspection)),
         "kinds": object(kinds(inspection)),
@@ -265,7 +282,7 @@ fn as_json(inspection: &Inspection, legend: bool) -> String {
             "total": memory.total(),
         },
         "warnings": inspection.report.warnings,
-        "advice": inspection.advice(),
+        "advice": inspection.advice().iter().map(sentence).collect::<Vec<_>>(),
     });
     if legend {
         let colours = paint::legend().map(|(kind, colour)| (kind.to_owned(), colour.into()));

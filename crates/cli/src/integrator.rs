@@ -6,7 +6,7 @@ use curvetri::render::{Integrator, Material};
 
 use super::{usage, values};
 
-/// Surfaces that light meets on its way if nothing else is asked for: in and out of two bodies of
+/// Surfaces that light meets on its way if no option says otherwise: in and out of two bodies of
 /// glass, and some more.
 const DEFAULT_DEPTH: u32 = 8;
 /// Of common glass.

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod accuracy_report;
+mod advice;
 mod bench;
 mod bench_report;
 mod compare;
@@ -142,7 +143,7 @@ fn on_threads<T: Send>(
         .install(work)
 }
 
-/// Prints what the parser found wrong, or the help that was asked for.
+/// Prints what the parser found wrong, or the help that the user wants.
 fn refused(error: &clap::Error) -> ExitCode {
     let text = error.render();
     if matches!(error.kind(), ErrorKind::DisplayHelp) {
@@ -177,7 +178,7 @@ fn failed(error: &anyhow::Error) -> ExitCode {
     ExitCode::FAILURE
 }
 
-/// The error and its causes, without those that the one before already tells.
+/// The error and its causes, without those that the one before already contains.
 fn chain(error: &anyhow::Error) -> String {
     let mut text = error.to_string();
     for cause in error.chain().skip(1) {

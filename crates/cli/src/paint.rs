@@ -4,8 +4,9 @@ use std::path::Path;
 
 use anyhow::Result;
 use curvetri::method::{FlatReason, PatchKind};
+use curvetri::output::OutputFile;
 use curvetri::render::{
-    Background, Framing, NO_PRIMITIVE, OutputFile, Picture, Scene, Shape, UpAxis, aovs, render,
+    Background, Framing, NO_PRIMITIVE, Picture, Scene, Shape, UpAxis, aovs, render,
 };
 use glam::Vec3;
 
@@ -94,8 +95,8 @@ mod tests {
         assert_eq!(LEGEND.map(|(name, ..)| name), names);
         for (n, (.., one)) in LEGEND.iter().enumerate() {
             for (.., other) in &LEGEND[..n] {
-                let apart = (0..3).map(|k| one[k].abs_diff(other[k])).max();
-                assert!(apart > Some(60), "{one:?} {other:?}");
+                let difference = (0..3).map(|k| one[k].abs_diff(other[k])).max();
+                assert!(difference > Some(60), "{one:?} {other:?}");
             }
         }
     }

@@ -7,9 +7,8 @@ use anyhow::{Context, Result};
 use clap::Args;
 use curvetri::embree::Device;
 use curvetri::mesh::Scenery;
-use curvetri::render::{
-    Aovs, Crop, Film, Form, Ground, OutputFile, Picture, RenderStats, Scene, aovs, render,
-};
+use curvetri::output::OutputFile;
+use curvetri::render::{Aovs, Crop, Film, Form, Ground, Picture, RenderStats, Scene, aovs, render};
 
 use super::console::Console;
 use super::integrator::IntegratorArgs;
@@ -82,7 +81,7 @@ pub struct RenderArgs {
 
 /// What a picture is written as, by its file's ending.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Format {
+enum PictureFormat {
     Png,
     Exr,
 }
@@ -117,9 +116,9 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
         let (film, mut stats) = traced(&scene, &picture, console)?;
         stats.times.load = load;
         match format {
-            Format::Png => output
+            PictureFormat::Png => output
                 .finish(|out| film.write_png(out, args.light.background(), args.light.exposure))?,
-            Format::Exr => {
+            PictureFormat::Exr => {
                 let aovs: Aovs = aovs(&scene, &picture)?;
                 output.finish(|out| film.write_exr(out, &aovs))?;
             }
@@ -146,7 +145,7 @@ fn traced(scene: &Scene, picture: &Picture, console: &Console) -> Result<(Film, 
 
 impl RenderArgs {
     /// Refuses what does not go together, before any work.
-    fn check(&self, form: Form) -> Result<Format> {
+    fn check(&self, form: Form) -> Result<PictureFormat> {
         let size = self.size()?;
         if let Some(crop) = self.crop
             && (crop.x + crop.width > size[0] || crop.y + crop.height > size[1])
@@ -161,20 +160,20 @@ impl RenderArgs {
         self.integrator.material()?;
         self.light.check(form == Form::Flat)?;
         let format = self.format()?;
-        if format == Format::Exr && self.light.exposure != 0.0 {
+        if format == PictureFormat::Exr && self.light.exposure != 0.0 {
             return usage("--exposure is for .png: an .exr file has the light as it is");
         }
         Ok(format)
     }
 
-    fn format(&self) -> Result<Format> {
+    fn format(&self) -> Result<PictureFormat> {
         let is = |ending: &str| {
             let extension = self.output.extension();
             extension.is_some_and(|e| e.eq_ignore_ascii_case(ending))
         };
         match (is("png"), is("exr")) {
-            (true, _) => Ok(Format::Png),
-            (_, true) => Ok(Format::Exr),
+            (true, _) => Ok(PictureFormat::Png),
+            (_, true) => Ok(PictureFormat::Exr),
             _ => usage(format!(
                 "{} ends neither in .png nor in .exr",
                 self.output.display()

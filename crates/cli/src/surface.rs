@@ -116,7 +116,7 @@ enum SurfaceChoice {
 /// The default form of our own scenes, which may have two geometries a mesh.
 pub fn plain() -> CurvedOptions {
     CurvedOptions {
-        flat: FlatTriangles::Apart,
+        flat: FlatTriangles::Separate,
         ..CurvedOptions::default()
     }
 }
@@ -224,7 +224,7 @@ impl SurfaceArgs {
     }
 
     /// Reads meshes, and what else their files have; tells what was odd. What a file uses several
-    /// times stays apart.
+    /// times stays separate.
     pub fn load_all(&self, paths: &[PathBuf], console: &Console) -> Result<(Parts, Scenery)> {
         let (mut parts, mut scenery) = (Parts::default(), Scenery::default());
         for path in paths {

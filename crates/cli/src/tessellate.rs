@@ -7,7 +7,8 @@ use anyhow::{Context, Result};
 use clap::Args;
 use curvetri::curved::{CurvedMesh, CurvedOptions};
 use curvetri::mesh::obj_text;
-use curvetri::render::{Form, OutputFile};
+use curvetri::output::OutputFile;
+use curvetri::render::Form;
 
 use super::console::Console;
 use super::surface::SurfaceArgs;

@@ -7,9 +7,10 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use curvetri::embree::Device;
 use curvetri::mesh::Mesh;
+use curvetri::output::{OutputFile, WriteSeek};
 use curvetri::render::{
-    AllAnswers, Answers, Form, OutputFile, PacketWidth, Scene, UserRay, UserRays, WriteSeek,
-    answer_all_hits, answer_occluded, answer_rays,
+    AllAnswers, Answers, Form, PacketWidth, Scene, UserRay, UserRays, answer_all_hits,
+    answer_occluded, answer_rays,
 };
 use glam::DVec3;
 use npyz::npz::NpzWriter;
@@ -138,7 +139,7 @@ impl TraceArgs {
 /// What was found out about the rays.
 enum Results {
     Nearest(Answers),
-    /// With the number of hits kept a ray.
+    /// With the number of hits returned for each ray.
     All(AllAnswers, usize),
     Occluded(Vec<bool>),
 }
@@ -180,8 +181,8 @@ fn check_size(rays: usize, most: usize) -> Result<()> {
     let bytes = rays
         .checked_mul(most)
         .and_then(|hits| hits.checked_mul(BYTES_A_HIT));
-    let mut room = Vec::<u8>::new();
-    if bytes.is_none_or(|bytes| room.try_reserve_exact(bytes).is_err()) {
+    let mut memory = Vec::<u8>::new();
+    if bytes.is_none_or(|bytes| memory.try_reserve_exact(bytes).is_err()) {
         bail!(
             "{rays} rays with {most} hits each do not fit into memory: ask for fewer hits or rays"
         );

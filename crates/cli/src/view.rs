@@ -57,8 +57,8 @@ impl ViewArgs {
         self.up_axis.axis()
     }
 
-    /// The camera: as asked for, or as the files have it, or so that all of the scene is seen, and its
-    /// shadows on a ground if they are asked for by the direction to the sun.
+    /// The camera: as the options or the files have it, or else placed so that all of the scene is seen. With
+    /// the direction to the sun in `shadows_of`, shadows on the ground are seen as well.
     pub fn camera(
         &self,
         scene: &Scene,
@@ -81,7 +81,7 @@ impl ViewArgs {
         Ok(self.changed(start))
     }
 
-    /// The camera of the files that is asked for, or the first where nothing is.
+    /// The camera of the files that the options choose, or the first where they choose none.
     pub fn file_camera<'a>(&self, cameras: &'a [FileCamera]) -> Result<Option<&'a FileCamera>> {
         let Some(wanted) = &self.camera else {
             let placed = self.eye.is_some() || self.target.is_some() || self.up.is_some();
@@ -105,7 +105,7 @@ impl ViewArgs {
         })
     }
 
-    /// The camera as asked for, and where nothing is asked for this one.
+    /// This camera with what the options change of it.
     fn changed(&self, start: Camera) -> Camera {
         let target = self.target.unwrap_or(start.target);
         Camera {

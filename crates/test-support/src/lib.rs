@@ -69,7 +69,7 @@ pub fn all_forms() -> Vec<CurvedOptions> {
     });
     let mut all = by_default.to_vec();
     all.push(CurvedOptions {
-        flat: FlatTriangles::Apart,
+        flat: FlatTriangles::Separate,
         ..CurvedOptions::default()
     });
     all.push(CurvedOptions::paper());

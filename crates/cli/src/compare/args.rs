@@ -1,4 +1,4 @@
-//! What `curvetri compare` is told.
+//! The options of `curvetri compare`.
 
 use std::path::{Path, PathBuf};
 
@@ -97,7 +97,7 @@ pub enum AlsoChoice {
     None,
 }
 
-/// The most pixels of a picture: what is kept of each of several pictures is some hundred bytes.
+/// The most pixels of a picture: several pictures stay in memory, with some hundred bytes a pixel.
 const MOST_PIXELS: usize = 1 << 26;
 
 impl CompareArgs {

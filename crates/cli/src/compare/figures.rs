@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use curvetri::compare::{Apart, darkened};
+use curvetri::compare::{Difference, darkened};
 use curvetri::render::Times;
 use serde::Serialize;
 
@@ -52,8 +52,8 @@ pub struct FormFigures {
     /// By kind, and their total.
     pub triangles: BTreeMap<&'static str, usize>,
     pub vertices: usize,
-    pub seconds: Seconds,
-    pub bytes: Bytes,
+    pub seconds: TimeFigures,
+    pub bytes: MemoryFigures,
     pub rays: u64,
     pub mray_per_second: f64,
     pub calls_per_ray: f64,
@@ -61,7 +61,8 @@ pub struct FormFigures {
     /// What it costs for each one of flat triangles.
     pub over_flat: OverFlat,
     /// How far it is from the reference or, without one, from flat triangles.
-    pub apart: Option<Apart>,
+    #[serde(rename = "apart")]
+    pub difference: Option<Difference>,
     /// Lit pixels that it darkens.
     pub darkened: DarkenedFigures,
 }
@@ -76,7 +77,7 @@ pub struct DarkenedFigures {
 
 /// Medians over the runs.
 #[derive(Serialize)]
-pub struct Seconds {
+pub struct TimeFigures {
     pub load: f64,
     pub curve: f64,
     pub build: f64,
@@ -86,7 +87,7 @@ pub struct Seconds {
 }
 
 #[derive(Serialize)]
-pub struct Bytes {
+pub struct MemoryFigures {
     pub mesh: u64,
     pub records: u64,
     pub embree: u64,
@@ -111,7 +112,7 @@ impl Figures {
         pictures: &Pictures,
         [version, isa]: &[String; 2],
     ) -> Self {
-        let forms = all.all().zip(&pictures.apart);
+        let forms = all.all().zip(&pictures.difference);
         let against = |there: bool| if there { "reference" } else { "" };
         let [shadows_against, errors_against] = match all.reference {
             Some(_) => [against(true); 2],
@@ -133,7 +134,7 @@ impl Figures {
             shadows_against,
             errors_against,
             forms: forms
-                .map(|(form, apart)| FormFigures::of(form, all, apart.clone()))
+                .map(|(form, difference)| FormFigures::of(form, all, difference.clone()))
                 .collect(),
             summary: String::new(),
             findings: Vec::new(),
@@ -157,7 +158,7 @@ impl Figures {
 }
 
 impl FormFigures {
-    fn of(form: &Measured, all: &Measurements, apart: Option<Apart>) -> Self {
+    fn of(form: &Measured, all: &Measurements, difference: Option<Difference>) -> Self {
         let stats = &form.stats;
         let triangles = stats.triangles.named().into_iter();
         let triangles = triangles.chain([("total", stats.triangles.total())]);
@@ -166,14 +167,14 @@ impl FormFigures {
             title: form.contestant.title.clone(),
             triangles: triangles.collect(),
             vertices: form.vertices,
-            seconds: Seconds::of(form),
-            bytes: Bytes::of(form),
+            seconds: TimeFigures::of(form),
+            bytes: MemoryFigures::of(form),
             rays: stats.rays.total(),
             mray_per_second: stats.mray_per_second(),
             calls_per_ray: stats.calls_per_ray(),
             evaluations_per_call: stats.evaluations_per_call(),
             over_flat: OverFlat::of(form, all.flat()),
-            apart,
+            difference,
             darkened: DarkenedFigures::of(form, all.truth()),
         }
     }
@@ -195,7 +196,7 @@ impl DarkenedFigures {
     }
 }
 
-impl Seconds {
+impl TimeFigures {
     fn of(form: &Measured) -> Self {
         let times = form.stats.times;
         let [render_least, _, render_most] = spread(form.times.iter().map(render));
@@ -210,7 +211,7 @@ impl Seconds {
     }
 }
 
-impl Bytes {
+impl MemoryFigures {
     fn of(form: &Measured) -> Self {
         let memory = form.stats.memory;
         Self {
@@ -230,7 +231,7 @@ impl OverFlat {
         };
         let [_, build, _] = ratios(|times| (times.curve + times.build).as_secs_f64());
         let [render_least, render, render_most] = ratios(render);
-        let total = |form: &Measured| Bytes::of(form).total as f64;
+        let total = |form: &Measured| MemoryFigures::of(form).total as f64;
         Self {
             build,
             render,

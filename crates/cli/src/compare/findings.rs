@@ -1,7 +1,7 @@
 //! What the figures say, in words: what the curved surface gains over flat triangles, what it costs,
 //! and where flat triangles are better.
 
-use curvetri::compare::{Apart, Spread};
+use curvetri::compare::{Difference, Summary};
 use serde::Serialize;
 
 use super::figures::{Figures, FormFigures};
@@ -53,8 +53,8 @@ pub fn summary(figures: &Figures) -> String {
         number(curved.over_flat.render),
         number(curved.over_flat.bytes)
     );
-    let outline = |apart: &Apart| apart.outline.map(|outline| outline.mean);
-    let gain = match (&flat.apart, &curved.apart) {
+    let outline = |difference: &Difference| difference.outline.map(|outline| outline.mean);
+    let gain = match (&flat.difference, &curved.difference) {
         (Some(flat), Some(curved)) => {
             let flip = change(curved.flip, flat.flip);
             let outline = outline(curved).zip(outline(flat));
@@ -64,13 +64,13 @@ pub fn summary(figures: &Figures) -> String {
             });
             format!("the error of the picture as the eye sees it is {flip}{outline}")
         }
-        (None, Some(apart)) => {
-            let outline = outline(apart).map_or(String::new(), |pixels| {
+        (None, Some(difference)) => {
+            let outline = outline(difference).map_or(String::new(), |pixels| {
                 format!(" and the outline by {} pixels on average", number(pixels))
             });
             format!(
                 "the picture changes by {} as the eye sees it (FLIP, 0 to 1){outline}",
-                number(apart.flip)
+                number(difference.flip)
             )
         }
         _ => return cost + ".",
@@ -95,33 +95,37 @@ fn change(curved: f64, flat: f64) -> String {
 
 /// How far either is from the reference.
 fn errors(flat: &FormFigures, curved: &FormFigures) -> Vec<Finding> {
-    let (Some(flat), Some(curved)) = (&flat.apart, &curved.apart) else {
+    let (Some(flat), Some(curved)) = (&flat.difference, &curved.difference) else {
         return Vec::new();
     };
-    let mean = |spread: fn(&Apart) -> Option<Spread>| {
-        [curved, flat].map(|apart| spread(apart).map(|spread| spread.mean))
+    let mean = |spread: fn(&Difference) -> Option<Summary>| {
+        [curved, flat].map(|difference| spread(difference).map(|spread| spread.mean))
     };
     let measures = [
         (
             "Picture, root mean square",
             " %",
-            [curved, flat].map(|apart| Some(100.0 * apart.rmse)),
+            [curved, flat].map(|difference| Some(100.0 * difference.rmse)),
         ),
         (
             "Picture, as the eye sees it (FLIP, 0 to 1)",
             "",
-            [curved, flat].map(|apart| Some(apart.flip)),
+            [curved, flat].map(|difference| Some(difference.flip)),
         ),
-        ("Outline", " pixels on average", mean(|apart| apart.outline)),
+        (
+            "Outline",
+            " pixels on average",
+            mean(|difference| difference.outline),
+        ),
         (
             "Normals that it is lit by",
             " degrees on average",
-            mean(|apart| apart.shading_normal),
+            mean(|difference| difference.shading_normal),
         ),
         (
             "Normals of the geometry itself",
             " degrees on average",
-            mean(|apart| apart.geometric_normal),
+            mean(|difference| difference.geometric_normal),
         ),
     ];
     let errors = measures.into_iter();
@@ -157,15 +161,15 @@ fn nearer(what: &str, unit: &str, curved: f64, flat: f64) -> Finding {
 
 /// How far they are from each other, where nothing says which is right.
 fn differences(curved: &FormFigures) -> Vec<Finding> {
-    let Some(apart) = &curved.apart else {
+    let Some(difference) = &curved.difference else {
         return Vec::new();
     };
     let mut text = format!(
         "The pictures differ by {} % (root mean square), as the eye sees it by {} (FLIP, 0 to 1)",
-        number(100.0 * apart.rmse),
-        number(apart.flip)
+        number(100.0 * difference.rmse),
+        number(difference.flip)
     );
-    if let Some(outline) = apart.outline {
+    if let Some(outline) = difference.outline {
         text += &format!(
             ", the outlines by {} pixels on average and {} at the most",
             number(outline.mean),
@@ -174,7 +178,7 @@ fn differences(curved: &FormFigures) -> Vec<Finding> {
     }
     text += ". Which is nearer to the true surface only a finer mesh of the same body can tell: --reference.";
     let mut texts = vec![text];
-    texts.extend(apart.shading_normal.map(|normals| {
+    texts.extend(difference.shading_normal.map(|normals| {
         format!(
             "The normals that they are lit by differ by {} degrees on average. Where a mesh is rough, the \
              curved surface shows bumps that interpolated normals hide.",
@@ -215,13 +219,13 @@ fn terminator(figures: &Figures) -> Option<Finding> {
 
 /// Triangles that the method leaves flat.
 fn left_flat(curved: &FormFigures) -> Option<Finding> {
-    let kept = ["flat_sliver", "flat_back_normal", "flat_bend", "flat_fold"];
-    let kept: usize = kept.iter().map(|kind| curved.count(kind)).sum();
+    let refused = ["flat_sliver", "flat_back_normal", "flat_bend", "flat_fold"];
+    let refused: usize = refused.iter().map(|kind| curved.count(kind)).sum();
     let total = curved.count("total");
-    (kept > 0).then(|| Finding {
+    (refused > 0).then(|| Finding {
         favours: Favours::Flat,
         text: format!(
-            "{kept} of {total} triangles stay flat in the curved surface, because they are too thin, or bend too much for the method."
+            "{refused} of {total} triangles stay flat in the curved surface, because they are too thin, or bend too much for the method."
         ),
     })
 }

@@ -12,7 +12,7 @@ use curvetri::render::{
 
 use super::super::console::Console;
 use super::super::device;
-use super::Loaded;
+use super::LoadedMeshes;
 use super::args::CompareArgs;
 
 /// Something to be compared.
@@ -39,14 +39,14 @@ pub struct Measured {
 }
 
 /// What all are measured with.
-pub struct Bench<'a> {
+pub struct Comparison<'a> {
     args: &'a CompareArgs,
     picture: Picture,
     embree: [String; 2],
 }
 
 /// What has been measured so far of one of them.
-struct Progress<'a> {
+struct Underway<'a> {
     contestant: Contestant,
     parts: &'a Parts,
     load: Duration,
@@ -55,13 +55,17 @@ struct Progress<'a> {
     view: Option<View>,
 }
 
-impl<'a> Bench<'a> {
+impl<'a> Comparison<'a> {
     /// Places the camera so that these meshes are seen, and the ground under `lowest`: the same for
     /// all, as the form that stands for the truth has it.
-    pub fn new(args: &'a CompareArgs, meshes: &Loaded, lowest: (&Loaded, Form)) -> Result<Self> {
+    pub fn new(
+        args: &'a CompareArgs,
+        meshes: &LoadedMeshes,
+        lowest: (&LoadedMeshes, Form),
+    ) -> Result<Self> {
         let [width, height] = args.size;
         let device = device(args.threads)?;
-        let scene = |loaded: &Loaded, form| {
+        let scene = |loaded: &LoadedMeshes, form| {
             let scene = Scene::new(&device, loaded.parts.clone(), form);
             scene.context("cannot build the scene")
         };
@@ -112,14 +116,14 @@ impl<'a> Bench<'a> {
     pub fn measure(
         &self,
         forms: Vec<Contestant>,
-        meshes: &Loaded,
-        reference: Option<&Loaded>,
+        meshes: &LoadedMeshes,
+        reference: Option<&LoadedMeshes>,
         console: &Console,
     ) -> Result<(Vec<Measured>, Option<Measured>)> {
-        let mut all: Vec<Progress<'_>> = forms
+        let mut all: Vec<Underway<'_>> = forms
             .into_iter()
-            .map(|form| Progress::new(form, meshes))
-            .chain(reference.map(|fine| Progress::new(Contestant::reference(), fine)))
+            .map(|form| Underway::new(form, meshes))
+            .chain(reference.map(|fine| Underway::new(Contestant::reference(), fine)))
             .collect();
         for run in 1..=self.args.repeat {
             for one in &mut all {
@@ -127,12 +131,12 @@ impl<'a> Bench<'a> {
                     .with_context(|| format!("{} (run {run})", one.contestant.title))?;
             }
         }
-        let mut done: Vec<Measured> = all.into_iter().map(Progress::done).collect();
+        let mut done: Vec<Measured> = all.into_iter().map(Underway::done).collect();
         let reference = reference.and_then(|_| done.pop());
         Ok((done, reference))
     }
 
-    fn run(&self, one: &mut Progress<'_>, console: &Console) -> Result<()> {
+    fn run(&self, one: &mut Underway<'_>, console: &Console) -> Result<()> {
         let Contestant {
             name,
             form,
@@ -216,8 +220,8 @@ impl Contestant {
     }
 }
 
-impl<'a> Progress<'a> {
-    fn new(contestant: Contestant, loaded: &'a Loaded) -> Self {
+impl<'a> Underway<'a> {
+    fn new(contestant: Contestant, loaded: &'a LoadedMeshes) -> Self {
         Self {
             contestant,
             parts: &loaded.parts,

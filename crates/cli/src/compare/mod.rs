@@ -14,18 +14,19 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use curvetri::mesh::{Parts, Scenery};
-use curvetri::render::{Form, OutputFile};
+use curvetri::output::OutputFile;
+use curvetri::render::Form;
 
 pub use args::CompareArgs;
 
 use self::figures::Figures;
-use self::measure::{Bench, Measured};
+use self::measure::{Comparison, Measured};
 use self::pictures::Pictures;
 use super::console::{self, Console};
 use super::on_threads;
 
 /// Meshes that were read, and how long that took.
-struct Loaded {
+struct LoadedMeshes {
     parts: Parts,
     scenery: Scenery,
     time: Duration,
@@ -70,15 +71,15 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<()> {
             Some(fine) => (fine, Form::Flat),
             None => (&loaded, forms[1].form),
         };
-        let bench = Bench::new(args, &loaded, lowest)?;
-        let (forms, reference) = bench.measure(forms, &loaded, reference.as_ref(), console)?;
+        let comparison = Comparison::new(args, &loaded, lowest)?;
+        let (forms, reference) = comparison.measure(forms, &loaded, reference.as_ref(), console)?;
         let measurements = Measurements { forms, reference };
         if measurements.all().all(|form| form.view.is_empty()) {
             console.warn("the camera sees nothing of the meshes: all pictures are the same");
         }
         let bar = console.spinner("comparing");
         let pictures = Pictures::of(&measurements);
-        let figures = Figures::of(args, &measurements, &pictures, bench.embree());
+        let figures = Figures::of(args, &measurements, &pictures, comparison.embree());
         sheet.finish(|out| sheet::write(&pictures, out))?;
         if let Some(report) = report {
             let html = report::html(&figures, &pictures)?;
@@ -95,10 +96,10 @@ pub fn run(args: &CompareArgs, console: &Console) -> Result<()> {
 }
 
 impl CompareArgs {
-    fn load(&self, paths: &[PathBuf], console: &Console) -> Result<Loaded> {
+    fn load(&self, paths: &[PathBuf], console: &Console) -> Result<LoadedMeshes> {
         let start = Instant::now();
         let (parts, scenery) = self.surface.load_all(paths, console)?;
-        Ok(Loaded {
+        Ok(LoadedMeshes {
             parts,
             scenery,
             time: start.elapsed(),
@@ -106,12 +107,16 @@ impl CompareArgs {
     }
 
     /// The reference, if there is one; warns if it can hardly be the truth.
-    fn load_reference(&self, coarse: &Loaded, console: &Console) -> Result<Option<Loaded>> {
+    fn load_reference(
+        &self,
+        coarse: &LoadedMeshes,
+        console: &Console,
+    ) -> Result<Option<LoadedMeshes>> {
         if self.reference.is_empty() {
             return Ok(None);
         }
         let fine = self.load(&self.reference, console)?;
-        let triangles = |loaded: &Loaded| loaded.parts.triangles();
+        let triangles = |loaded: &LoadedMeshes| loaded.parts.triangles();
         let names = names(&self.reference).join(", ");
         if triangles(&fine) <= triangles(coarse) {
             console.warn(&format!(

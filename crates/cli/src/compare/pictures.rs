@@ -1,6 +1,6 @@
 //! The pictures that a comparison shows.
 
-use curvetri::compare::{Apart, marked};
+use curvetri::compare::{Difference, marked};
 use image::RgbImage;
 
 use super::Measurements;
@@ -16,11 +16,11 @@ pub struct Shown {
     pub image: RgbImage,
 }
 
-/// All pictures of a comparison, and how far what they show is apart.
+/// All pictures of a comparison, and how much they differ.
 pub struct Pictures {
     pub shown: Vec<Shown>,
     /// How far each form is from what it is judged by; nothing for that itself.
-    pub apart: Vec<Option<Apart>>,
+    pub difference: Vec<Option<Difference>>,
 }
 
 const SCALE: &str = "black where they look the same, over violet and orange to bright yellow";
@@ -38,32 +38,34 @@ impl Pictures {
                 image: form.view.image.clone(),
             })
             .collect();
-        let between = curved.view.apart_from(&flat.view);
+        let between = curved.view.difference_from(&flat.view);
         shown.push(Shown {
             key: "difference".into(),
             title: "flat against curved".into(),
             caption: format!("How different flat and curved look (FLIP): {SCALE}."),
             image: between.flip_map.clone(),
         });
-        let apart: Vec<Option<Apart>> = match &all.reference {
+        let difference: Vec<Option<Difference>> = match &all.reference {
             None => {
                 let others = all.forms[2..].iter();
                 [None, Some(between)]
                     .into_iter()
-                    .chain(others.map(|form| Some(form.view.apart_from(&flat.view))))
+                    .chain(others.map(|form| Some(form.view.difference_from(&flat.view))))
                     .collect()
             }
             Some(truth) => {
-                let apart = all
+                let difference = all
                     .forms
                     .iter()
-                    .map(|form| form.view.apart_from(&truth.view));
-                apart.map(Some).chain([None]).collect()
+                    .map(|form| form.view.difference_from(&truth.view));
+                difference.map(Some).chain([None]).collect()
             }
         };
         if all.reference.is_some() {
-            for (form, apart) in all.forms.iter().zip(&apart) {
-                let Some(apart) = apart else { continue };
+            for (form, difference) in all.forms.iter().zip(&difference) {
+                let Some(difference) = difference else {
+                    continue;
+                };
                 let name = &form.contestant.name;
                 shown.push(Shown {
                     key: format!("{name}-error"),
@@ -71,7 +73,7 @@ impl Pictures {
                     caption: format!(
                         "How different {name} and the reference look (FLIP): {SCALE}."
                     ),
-                    image: apart.flip_map.clone(),
+                    image: difference.flip_map.clone(),
                 });
             }
         }
@@ -83,7 +85,7 @@ impl Pictures {
                 .into(),
             image: marked(&flat.view.image, &flat.view.probe, &all.truth().view.probe),
         });
-        Self { shown, apart }
+        Self { shown, difference }
     }
 
     /// The picture of this key.

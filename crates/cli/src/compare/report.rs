@@ -25,13 +25,13 @@ struct Page<'a> {
     style: &'static str,
     script: &'static str,
     figures: &'a Figures,
-    pictures: Vec<Picture<'a>>,
+    pictures: Vec<ReportPicture<'a>>,
     tables: Vec<Table>,
     version: &'static str,
 }
 
 #[derive(Serialize)]
-struct Picture<'a> {
+struct ReportPicture<'a> {
     key: &'a str,
     title: &'a str,
     caption: &'a str,
@@ -40,7 +40,7 @@ struct Picture<'a> {
 
 /// The page.
 pub fn html(figures: &Figures, pictures: &Pictures) -> Result<String> {
-    let pictures: Result<_> = pictures.shown.iter().map(Picture::of).collect();
+    let pictures: Result<_> = pictures.shown.iter().map(ReportPicture::of).collect();
     let page = Page {
         style: STYLE,
         script: SCRIPT,
@@ -58,7 +58,7 @@ pub fn html(figures: &Figures, pictures: &Pictures) -> Result<String> {
     page.context("cannot write the report")
 }
 
-impl<'a> Picture<'a> {
+impl<'a> ReportPicture<'a> {
     fn of(shown: &'a Shown) -> Result<Self> {
         Ok(Self {
             key: &shown.key,

@@ -51,10 +51,10 @@ fn sheet(panels: &[&Shown]) -> RgbImage {
     sheet
 }
 
-/// Writes as much of a text as there is room for.
-fn label(sheet: &mut RgbImage, text: &str, [x, y]: [u32; 2], room: u32) {
+/// Writes as much of a text as fits into the width.
+fn label(sheet: &mut RgbImage, text: &str, [x, y]: [u32; 2], width: u32) {
     let advance = get_raster_width(WEIGHT, HEIGHT);
-    for (n, letter) in text.chars().take(room as usize / advance).enumerate() {
+    for (n, letter) in text.chars().take(width as usize / advance).enumerate() {
         let Some(raster) = get_raster(letter, WEIGHT, HEIGHT) else {
             continue;
         };

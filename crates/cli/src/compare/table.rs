@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use curvetri::compare::{Apart, Spread};
+use curvetri::compare::{Difference, Summary};
 use serde::Serialize;
 
-use super::figures::{Figures, FormFigures, Seconds};
+use super::figures::{Figures, FormFigures, TimeFigures};
 
 /// Rows under a title, with a column a form.
 #[derive(Serialize)]
@@ -94,7 +94,7 @@ fn cost(figures: &Figures) -> Table {
     ];
     if figures.picture.runs > 1 {
         all.push(rows.row("render, least to most", "s", |form| {
-            let Seconds {
+            let TimeFigures {
                 render_least,
                 render_most,
                 ..
@@ -132,11 +132,11 @@ fn cost(figures: &Figures) -> Table {
 
 fn errors(figures: &Figures) -> Table {
     let rows = Rows(figures);
-    let mean = |spread: Option<Spread>| spread.map(|s| s.mean);
-    let p95 = |spread: Option<Spread>| spread.map(|s| s.p95);
-    let apart = |name, unit, value: &dyn Fn(&Apart) -> Option<f64>| {
+    let mean = |spread: Option<Summary>| spread.map(|s| s.mean);
+    let p95 = |spread: Option<Summary>| spread.map(|s| s.p95);
+    let difference = |name, unit, value: &dyn Fn(&Difference) -> Option<f64>| {
         rows.row(name, unit, |form| {
-            let value = form.apart.as_ref().and_then(value);
+            let value = form.difference.as_ref().and_then(value);
             value.map_or(NOTHING.to_owned(), number)
         })
     };
@@ -154,17 +154,17 @@ fn errors(figures: &Figures) -> Table {
         title: title.into(),
         note: note.into(),
         rows: vec![
-            apart("picture, RMSE", "%", &|a| Some(100.0 * a.rmse)),
-            apart("picture, FLIP", "", &|a| Some(a.flip)),
-            apart("outline, mean", "px", &|a| mean(a.outline)),
-            apart("outline, 95 %", "px", &|a| p95(a.outline)),
-            apart("outline, most", "px", &|a| a.outline.map(|s| s.max)),
-            apart("shading normal, mean", "deg", &|a| mean(a.shading_normal)),
-            apart("shading normal, 95 %", "deg", &|a| p95(a.shading_normal)),
-            apart("geometric normal, mean", "deg", &|a| {
+            difference("picture, RMSE", "%", &|a| Some(100.0 * a.rmse)),
+            difference("picture, FLIP", "", &|a| Some(a.flip)),
+            difference("outline, mean", "px", &|a| mean(a.outline)),
+            difference("outline, 95 %", "px", &|a| p95(a.outline)),
+            difference("outline, most", "px", &|a| a.outline.map(|s| s.max)),
+            difference("shading normal, mean", "deg", &|a| mean(a.shading_normal)),
+            difference("shading normal, 95 %", "deg", &|a| p95(a.shading_normal)),
+            difference("geometric normal, mean", "deg", &|a| {
                 mean(a.geometric_normal)
             }),
-            apart(
+            difference(
                 "geometric normal, 95 %",
                 "deg",
                 &|a| p95(a.geometric_normal),

@@ -42,12 +42,12 @@ fn a_report_tells_counts_kinds_and_advice() {
     assert_eq!(report["triangles"], 72);
     assert_eq!(report["places"], 38);
     assert_eq!(report["closed"], true);
-    assert_eq!(report["sides"]["hard"], 36);
+    assert_eq!(report["edges"]["hard"], 36);
     assert_eq!(report["normals"]["made"], 216);
     let kinds = report["kinds"].as_object().unwrap();
     let total: u64 = kinds.values().map(|count| count.as_u64().unwrap()).sum();
     assert_eq!(total, 72);
-    // The walls' curve over a side that turns by 20 degrees.
+    // The walls' curve over an edge that turns by 20 degrees.
     let height = report["heights"]["greatest"].as_f64().unwrap();
     let arrow = 1.0 - 10f64.to_radians().cos();
     assert!(
@@ -63,13 +63,13 @@ fn a_report_tells_counts_kinds_and_advice() {
 
     let text = stdout(&shop.succeeds(&["inspect", &mesh]));
     assert!(text.contains("closed     yes"), "{text}");
-    assert!(text.contains("sides      72 smooth, 36 hard"), "{text}");
+    assert!(text.contains("edges      72 smooth, 36 hard"), "{text}");
 }
 
 #[test]
 fn spheres_are_counted_where_they_are_asked_for() {
     let shop = Workshop::new();
-    // Two normals that lean far out over the side between them.
+    // Two normals that lean far out over the edge between them.
     let mesh = shop.write(
         "steep.obj",
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 -0.7 0.71\nf 1//2 2//2 3//1\n",
@@ -94,7 +94,7 @@ fn spheres_are_counted_where_they_are_asked_for() {
 fn options_decide_what_is_hard() {
     let shop = Workshop::new();
     let mesh = shop.write("prism.stl", prism());
-    let hard = |angle| json(&shop, &["--crease-angle", angle, &mesh])["sides"]["hard"].clone();
+    let hard = |angle| json(&shop, &["--crease-angle", angle, &mesh])["edges"]["hard"].clone();
     assert_eq!([hard("19"), hard("21"), hard("91")], [54, 36, 0]);
 }
 

@@ -10,7 +10,8 @@
 use std::io::Cursor;
 
 use curvetri::curved::CurvedOptions;
-use curvetri::render::{Background, Form, Framing, OutputFile, Picture, Scene, UpAxis, render};
+use curvetri::output::OutputFile;
+use curvetri::render::{Background, Form, Framing, Picture, Scene, UpAxis, render};
 use curvetri_bodies::Body;
 use image::{RgbaImage, imageops};
 

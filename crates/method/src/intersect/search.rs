@@ -5,7 +5,7 @@ use std::cell::Cell;
 use super::clip::RayInterval;
 use super::hit::{Hit, Solver};
 use super::paraboloid::Stretch;
-use super::ray::{Ray, beyond, is_thin, localized};
+use super::ray::{Ray, beyond, is_thin};
 use super::root::{MAX_PARTS, Root, Samples, Steps};
 use super::segment::Segment;
 use super::{bracketing, ita};
@@ -218,12 +218,6 @@ impl<S: Constant> Patch<S> {
     pub(crate) fn is_high(&self) -> S::Mask {
         let height = self.slab[1] - self.slab[0];
         height.constant(HIGH_SLAB).less(height)
-    }
-
-    /// The ray's origin and direction in the patch's space and units.
-    #[inline(always)]
-    pub(crate) fn localize<V: Real<Scalar = S>>(&self, ray: &Ray<V>) -> [Vector<V>; 2] {
-        localized(ray, self.origin, self.size.per_power_of_two())
     }
 
     /// The hits of rays that are known to have a single crossing first, and of the others by a search.

@@ -1,7 +1,7 @@
 //! A ray's way over a patch's plane.
 
 use super::clip::RayInterval;
-use super::ray::Ray;
+use super::ray::{Ray, localized};
 use crate::bounds::RAY_EPSILONS;
 use crate::numbers::{
     Constant, Cursor, Fields, Mask, Real, Scalar, Vector, from_array, inlined, to_array,
@@ -100,7 +100,7 @@ impl<V: Real> Segment<V> {
     where
         V: Real<Scalar = S>,
     {
-        let [from, along] = patch.localize(ray);
+        let [from, along] = localized(ray, patch.origin, patch.size.per_power_of_two());
         let distance = from.max_abs();
         let alive = interval.alive;
         let entry = V::select(alive, interval.start, ray.tnear);
@@ -129,7 +129,7 @@ impl<V: Real> Segment<V> {
     where
         V: Real<Scalar = S>,
     {
-        let [from, along] = patch.localize(ray);
+        let [from, along] = localized(ray, patch.origin, patch.size.per_power_of_two());
         Self::unclipped(patch, from, along, ray.tnear, ray.tfar)
     }
 
