@@ -85,3 +85,60 @@ impl Record {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::super::table::tests::table;
+    use super::*;
+
+    /// What a hit writes into the lane 2 of a packet of 4 rays, where it leaves 77 elsewhere.
+    fn written(version: u32, context: &[u32]) -> [u32; 4 * HIT_FIELDS] {
+        let embree = table(version);
+        let call = CurvetriCall {
+            valid: std::ptr::null_mut(),
+            user: std::ptr::null_mut(),
+            prim_id: 0,
+            context: context.as_ptr().cast_mut().cast(),
+            rays: std::ptr::null_mut(),
+            width: 4,
+            geom_id: 0,
+        };
+        let (t, u, v, ng) = (1.0, 0.25, 0.5, Vec3::new(1.0, 2.0, 3.0));
+        let hit = SurfaceHit { t, u, v, ng };
+        let mut packet = [77; 4 * HIT_FIELDS];
+        // SAFETY: the context is laid out as this Embree's; the packet has room for four lanes of its hits.
+        unsafe {
+            Record::new(&hit, 8, 9, &call, &embree).write(
+                packet.as_mut_ptr().cast(),
+                4,
+                2,
+                &embree,
+            );
+        }
+        packet
+    }
+
+    #[test]
+    fn a_hit_is_written_field_by_field_and_no_further() {
+        let bits = [1.0_f32, 2.0, 3.0, 0.25, 0.5].map(f32::to_bits);
+        let [x, y, z, u, v] = bits;
+        for (version, context, fields) in [
+            (
+                31305,
+                &[0, 0, 0, 0, 5, 0][..],
+                &[x, y, z, u, v, 8, 9, 5][..],
+            ),
+            (40303, &[5, 6], &[x, y, z, u, v, 8, 9, 5, 6]),
+        ] {
+            for (place, word) in written(version, context).into_iter().enumerate() {
+                let expected = match (place / 4, place % 4) {
+                    (field, 2) if field < fields.len() => fields[field],
+                    _ => 77,
+                };
+                assert_eq!(word, expected, "{version}, {place}");
+            }
+        }
+    }
+}

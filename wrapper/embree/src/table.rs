@@ -179,3 +179,155 @@ macro_rules! embree {
     };
 }
 pub(super) use embree;
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    unsafe extern "C" fn never() {
+        unreachable!("these tests call nothing of Embree's")
+    }
+
+    /// What `curvetri_embree.h` makes of Embree 3.13.5 or of 4.3.3, with functions that must not be called.
+    fn filled(version: u32) -> CurvetriEmbree {
+        let inst_prim_id = version >= 40300;
+        let fields = if inst_prim_id { 9 } else { 8 };
+        let size =
+            |width: usize| 48 * width + (4 * fields * width).next_multiple_of((4 * width).max(16));
+        // SAFETY: numbers and pointers to functions that may be null.
+        let mut table: CurvetriEmbree = unsafe { std::mem::zeroed() };
+        table.table_version = CURVETRI_TABLE_VERSION;
+        table.table_size = size_of::<CurvetriEmbree>() as u32;
+        table.headers_version = version;
+        table.instance_levels = 1;
+        table.inst_prim_id = u32::from(inst_prim_id);
+        table.rayhit_size = [1, 4, 8, 16].map(|width| size(width) as u32);
+        table.context_inst_id = if version < 40000 { 16 } else { 0 };
+        let first = offset_of!(CurvetriEmbree, new_device);
+        for offset in (first..size_of::<CurvetriEmbree>()).step_by(size_of::<usize>()) {
+            let function: unsafe extern "C" fn() = never;
+            let start = std::ptr::from_mut(&mut table).cast::<u8>();
+            // SAFETY: there is a pointer to a function; none of these is called.
+            unsafe {
+                start
+                    .add(offset)
+                    .cast::<unsafe extern "C" fn()>()
+                    .write(function)
+            };
+        }
+        table
+    }
+
+    fn read(table: &CurvetriEmbree) -> Result<Table, TableError> {
+        // SAFETY: the table is one of this version; its functions are not called.
+        unsafe { Table::read(table) }
+    }
+
+    /// A table of Embree 3.13.5 or of 4.3.3 that calls nothing.
+    pub(crate) fn table(version: u32) -> Table {
+        read(&filled(version)).unwrap()
+    }
+
+    #[test]
+    fn tables_of_both_generations_are_taken() {
+        let (three, four) = (table(31305), table(40303));
+        assert_eq!(three.version().to_string(), "3.13.5");
+        assert_eq!(four.version().to_string(), "4.3.3");
+        assert_eq!((three.hit_fields(), four.hit_fields()), (8, 9));
+    }
+
+    #[test]
+    fn sizes_are_those_that_embree_documents() {
+        assert_eq!(filled(31305).rayhit_size, [80, 320, 640, 1280]);
+        assert_eq!(filled(40303).rayhit_size, [96, 336, 672, 1344]);
+    }
+
+    fn refused(change: impl Fn(&mut CurvetriEmbree)) -> TableError {
+        let mut table = filled(40303);
+        change(&mut table);
+        read(&table).unwrap_err()
+    }
+
+    #[test]
+    fn a_table_of_another_version_or_size_is_refused() {
+        let size = size_of::<CurvetriEmbree>() as u32;
+        let (version, other) = (CURVETRI_TABLE_VERSION, CURVETRI_TABLE_VERSION + 1);
+        assert_eq!(
+            refused(|table| table.table_version = other),
+            TableError::Version {
+                version: other,
+                size
+            }
+        );
+        let size = size - 8;
+        assert_eq!(
+            refused(|table| table.table_size = size),
+            TableError::Version { version, size }
+        );
+    }
+
+    #[test]
+    fn an_embree_of_another_layout_is_refused() {
+        for version in [31299, 40000, 40299, 50000] {
+            let error = refused(|table| table.headers_version = version);
+            assert_eq!(error, TableError::Embree(Version::from_number(version)));
+        }
+        assert_eq!(
+            refused(|table| table.instance_levels = 2),
+            TableError::Levels(2)
+        );
+        let error = refused(|table| table.inst_prim_id = 0);
+        assert!(
+            matches!(
+                error,
+                TableError::Layout {
+                    width: 1,
+                    size: 96,
+                    expected: 80
+                }
+            ),
+            "{error}"
+        );
+        let error = refused(|table| table.rayhit_size[3] = 1280);
+        assert!(
+            matches!(
+                error,
+                TableError::Layout {
+                    width: 16,
+                    expected: 1344,
+                    ..
+                }
+            ),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_table_without_one_of_its_functions_is_refused() {
+        assert_eq!(
+            refused(|table| table.new_device = None),
+            TableError::Missing(0)
+        );
+        let TableError::Missing(last) = refused(|table| table.filter_occluded = None) else {
+            panic!("it is taken");
+        };
+        assert!(last > 30, "{last}");
+    }
+
+    #[test]
+    fn instance_ids_are_read_where_the_context_has_them() {
+        // flags, filter, instID
+        let three: [u32; 6] = [9, 9, 9, 9, 5, 9];
+        // instID, instPrimID
+        let four: [u32; 2] = [5, 6];
+        // SAFETY: the arrays are laid out as the contexts of the two generations.
+        let (three, four) = unsafe {
+            (
+                table(31305).instance_ids(three.as_ptr().cast()),
+                table(40303).instance_ids(four.as_ptr().cast()),
+            )
+        };
+        assert_eq!(three, [[5], [INVALID_ID]]);
+        assert_eq!(four, [[5], [6]]);
+    }
+}
