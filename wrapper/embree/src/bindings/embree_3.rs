@@ -103,22 +103,41 @@ pub struct RTCBounds {
 const _: () = {
     ["Size of RTCBounds"][::std::mem::size_of::<RTCBounds>() - 32usize];
     ["Alignment of RTCBounds"][::std::mem::align_of::<RTCBounds>() - 16usize];
-    ["Offset of field: RTCBounds::lower_x"][::std::mem::offset_of!(RTCBounds, lower_x) - 0usize];
-    ["Offset of field: RTCBounds::lower_y"][::std::mem::offset_of!(RTCBounds, lower_y) - 4usize];
-    ["Offset of field: RTCBounds::lower_z"][::std::mem::offset_of!(RTCBounds, lower_z) - 8usize];
-    ["Offset of field: RTCBounds::align0"][::std::mem::offset_of!(RTCBounds, align0) - 12usize];
-    ["Offset of field: RTCBounds::upper_x"][::std::mem::offset_of!(RTCBounds, upper_x) - 16usize];
-    ["Offset of field: RTCBounds::upper_y"][::std::mem::offset_of!(RTCBounds, upper_y) - 20usize];
-    ["Offset of field: RTCBounds::upper_z"][::std::mem::offset_of!(RTCBounds, upper_z) - 24usize];
-    ["Offset of field: RTCBounds::align1"][::std::mem::offset_of!(RTCBounds, align1) - 28usize];
+    [
+        "Offset of field: RTCBounds::lower_x",
+    ][::std::mem::offset_of!(RTCBounds, lower_x) - 0usize];
+    [
+        "Offset of field: RTCBounds::lower_y",
+    ][::std::mem::offset_of!(RTCBounds, lower_y) - 4usize];
+    [
+        "Offset of field: RTCBounds::lower_z",
+    ][::std::mem::offset_of!(RTCBounds, lower_z) - 8usize];
+    [
+        "Offset of field: RTCBounds::align0",
+    ][::std::mem::offset_of!(RTCBounds, align0) - 12usize];
+    [
+        "Offset of field: RTCBounds::upper_x",
+    ][::std::mem::offset_of!(RTCBounds, upper_x) - 16usize];
+    [
+        "Offset of field: RTCBounds::upper_y",
+    ][::std::mem::offset_of!(RTCBounds, upper_y) - 20usize];
+    [
+        "Offset of field: RTCBounds::upper_z",
+    ][::std::mem::offset_of!(RTCBounds, upper_z) - 24usize];
+    [
+        "Offset of field: RTCBounds::align1",
+    ][::std::mem::offset_of!(RTCBounds, align1) - 28usize];
 };
 impl RTCIntersectContextFlags {
-    pub const RTC_INTERSECT_CONTEXT_FLAG_NONE: RTCIntersectContextFlags =
-        RTCIntersectContextFlags(0);
-    pub const RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT: RTCIntersectContextFlags =
-        RTCIntersectContextFlags(0);
-    pub const RTC_INTERSECT_CONTEXT_FLAG_COHERENT: RTCIntersectContextFlags =
-        RTCIntersectContextFlags(1);
+    pub const RTC_INTERSECT_CONTEXT_FLAG_NONE: RTCIntersectContextFlags = RTCIntersectContextFlags(
+        0,
+    );
+    pub const RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT: RTCIntersectContextFlags = RTCIntersectContextFlags(
+        0,
+    );
+    pub const RTC_INTERSECT_CONTEXT_FLAG_COHERENT: RTCIntersectContextFlags = RTCIntersectContextFlags(
+        1,
+    );
 }
 impl ::std::ops::BitOr<RTCIntersectContextFlags> for RTCIntersectContextFlags {
     type Output = Self;
@@ -161,25 +180,34 @@ pub struct RTCFilterFunctionNArguments {
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of RTCFilterFunctionNArguments"]
-        [::std::mem::size_of::<RTCFilterFunctionNArguments>() - 48usize];
-    ["Alignment of RTCFilterFunctionNArguments"]
-        [::std::mem::align_of::<RTCFilterFunctionNArguments>() - 8usize];
-    ["Offset of field: RTCFilterFunctionNArguments::valid"]
-        [::std::mem::offset_of!(RTCFilterFunctionNArguments, valid) - 0usize];
-    ["Offset of field: RTCFilterFunctionNArguments::geometryUserPtr"]
-        [::std::mem::offset_of!(RTCFilterFunctionNArguments, geometryUserPtr) - 8usize];
-    ["Offset of field: RTCFilterFunctionNArguments::context"]
-        [::std::mem::offset_of!(RTCFilterFunctionNArguments, context) - 16usize];
-    ["Offset of field: RTCFilterFunctionNArguments::ray"]
-        [::std::mem::offset_of!(RTCFilterFunctionNArguments, ray) - 24usize];
-    ["Offset of field: RTCFilterFunctionNArguments::hit"]
-        [::std::mem::offset_of!(RTCFilterFunctionNArguments, hit) - 32usize];
-    ["Offset of field: RTCFilterFunctionNArguments::N"]
-        [::std::mem::offset_of!(RTCFilterFunctionNArguments, N) - 40usize];
+    [
+        "Size of RTCFilterFunctionNArguments",
+    ][::std::mem::size_of::<RTCFilterFunctionNArguments>() - 48usize];
+    [
+        "Alignment of RTCFilterFunctionNArguments",
+    ][::std::mem::align_of::<RTCFilterFunctionNArguments>() - 8usize];
+    [
+        "Offset of field: RTCFilterFunctionNArguments::valid",
+    ][::std::mem::offset_of!(RTCFilterFunctionNArguments, valid) - 0usize];
+    [
+        "Offset of field: RTCFilterFunctionNArguments::geometryUserPtr",
+    ][::std::mem::offset_of!(RTCFilterFunctionNArguments, geometryUserPtr) - 8usize];
+    [
+        "Offset of field: RTCFilterFunctionNArguments::context",
+    ][::std::mem::offset_of!(RTCFilterFunctionNArguments, context) - 16usize];
+    [
+        "Offset of field: RTCFilterFunctionNArguments::ray",
+    ][::std::mem::offset_of!(RTCFilterFunctionNArguments, ray) - 24usize];
+    [
+        "Offset of field: RTCFilterFunctionNArguments::hit",
+    ][::std::mem::offset_of!(RTCFilterFunctionNArguments, hit) - 32usize];
+    [
+        "Offset of field: RTCFilterFunctionNArguments::N",
+    ][::std::mem::offset_of!(RTCFilterFunctionNArguments, N) - 40usize];
 };
-pub type RTCFilterFunctionN =
-    ::std::option::Option<unsafe extern "C" fn(args: *const RTCFilterFunctionNArguments)>;
+pub type RTCFilterFunctionN = ::std::option::Option<
+    unsafe extern "C" fn(args: *const RTCFilterFunctionNArguments),
+>;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct RTCIntersectContext {
@@ -189,50 +217,90 @@ pub struct RTCIntersectContext {
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of RTCIntersectContext"][::std::mem::size_of::<RTCIntersectContext>() - 24usize];
-    ["Alignment of RTCIntersectContext"][::std::mem::align_of::<RTCIntersectContext>() - 8usize];
-    ["Offset of field: RTCIntersectContext::flags"]
-        [::std::mem::offset_of!(RTCIntersectContext, flags) - 0usize];
-    ["Offset of field: RTCIntersectContext::filter"]
-        [::std::mem::offset_of!(RTCIntersectContext, filter) - 8usize];
-    ["Offset of field: RTCIntersectContext::instID"]
-        [::std::mem::offset_of!(RTCIntersectContext, instID) - 16usize];
+    [
+        "Size of RTCIntersectContext",
+    ][::std::mem::size_of::<RTCIntersectContext>() - 24usize];
+    [
+        "Alignment of RTCIntersectContext",
+    ][::std::mem::align_of::<RTCIntersectContext>() - 8usize];
+    [
+        "Offset of field: RTCIntersectContext::flags",
+    ][::std::mem::offset_of!(RTCIntersectContext, flags) - 0usize];
+    [
+        "Offset of field: RTCIntersectContext::filter",
+    ][::std::mem::offset_of!(RTCIntersectContext, filter) - 8usize];
+    [
+        "Offset of field: RTCIntersectContext::instID",
+    ][::std::mem::offset_of!(RTCIntersectContext, instID) - 16usize];
 };
 impl RTCDeviceProperty {
     pub const RTC_DEVICE_PROPERTY_VERSION: RTCDeviceProperty = RTCDeviceProperty(0);
-    pub const RTC_DEVICE_PROPERTY_VERSION_MAJOR: RTCDeviceProperty = RTCDeviceProperty(1);
-    pub const RTC_DEVICE_PROPERTY_VERSION_MINOR: RTCDeviceProperty = RTCDeviceProperty(2);
-    pub const RTC_DEVICE_PROPERTY_VERSION_PATCH: RTCDeviceProperty = RTCDeviceProperty(3);
-    pub const RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(32);
-    pub const RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(33);
-    pub const RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(34);
-    pub const RTC_DEVICE_PROPERTY_RAY_STREAM_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(35);
-    pub const RTC_DEVICE_PROPERTY_BACKFACE_CULLING_CURVES_ENABLED: RTCDeviceProperty =
-        RTCDeviceProperty(63);
-    pub const RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(64);
-    pub const RTC_DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED: RTCDeviceProperty =
-        RTCDeviceProperty(65);
-    pub const RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED: RTCDeviceProperty =
-        RTCDeviceProperty(66);
-    pub const RTC_DEVICE_PROPERTY_IGNORE_INVALID_RAYS_ENABLED: RTCDeviceProperty =
-        RTCDeviceProperty(67);
-    pub const RTC_DEVICE_PROPERTY_COMPACT_POLYS_ENABLED: RTCDeviceProperty = RTCDeviceProperty(68);
-    pub const RTC_DEVICE_PROPERTY_TRIANGLE_GEOMETRY_SUPPORTED: RTCDeviceProperty =
-        RTCDeviceProperty(96);
-    pub const RTC_DEVICE_PROPERTY_QUAD_GEOMETRY_SUPPORTED: RTCDeviceProperty =
-        RTCDeviceProperty(97);
-    pub const RTC_DEVICE_PROPERTY_SUBDIVISION_GEOMETRY_SUPPORTED: RTCDeviceProperty =
-        RTCDeviceProperty(98);
-    pub const RTC_DEVICE_PROPERTY_CURVE_GEOMETRY_SUPPORTED: RTCDeviceProperty =
-        RTCDeviceProperty(99);
-    pub const RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED: RTCDeviceProperty =
-        RTCDeviceProperty(100);
-    pub const RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED: RTCDeviceProperty =
-        RTCDeviceProperty(101);
-    pub const RTC_DEVICE_PROPERTY_TASKING_SYSTEM: RTCDeviceProperty = RTCDeviceProperty(128);
-    pub const RTC_DEVICE_PROPERTY_JOIN_COMMIT_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(129);
-    pub const RTC_DEVICE_PROPERTY_PARALLEL_COMMIT_SUPPORTED: RTCDeviceProperty =
-        RTCDeviceProperty(130);
+    pub const RTC_DEVICE_PROPERTY_VERSION_MAJOR: RTCDeviceProperty = RTCDeviceProperty(
+        1,
+    );
+    pub const RTC_DEVICE_PROPERTY_VERSION_MINOR: RTCDeviceProperty = RTCDeviceProperty(
+        2,
+    );
+    pub const RTC_DEVICE_PROPERTY_VERSION_PATCH: RTCDeviceProperty = RTCDeviceProperty(
+        3,
+    );
+    pub const RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(
+        32,
+    );
+    pub const RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(
+        33,
+    );
+    pub const RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(
+        34,
+    );
+    pub const RTC_DEVICE_PROPERTY_RAY_STREAM_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(
+        35,
+    );
+    pub const RTC_DEVICE_PROPERTY_BACKFACE_CULLING_CURVES_ENABLED: RTCDeviceProperty = RTCDeviceProperty(
+        63,
+    );
+    pub const RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(
+        64,
+    );
+    pub const RTC_DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED: RTCDeviceProperty = RTCDeviceProperty(
+        65,
+    );
+    pub const RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(
+        66,
+    );
+    pub const RTC_DEVICE_PROPERTY_IGNORE_INVALID_RAYS_ENABLED: RTCDeviceProperty = RTCDeviceProperty(
+        67,
+    );
+    pub const RTC_DEVICE_PROPERTY_COMPACT_POLYS_ENABLED: RTCDeviceProperty = RTCDeviceProperty(
+        68,
+    );
+    pub const RTC_DEVICE_PROPERTY_TRIANGLE_GEOMETRY_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(
+        96,
+    );
+    pub const RTC_DEVICE_PROPERTY_QUAD_GEOMETRY_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(
+        97,
+    );
+    pub const RTC_DEVICE_PROPERTY_SUBDIVISION_GEOMETRY_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(
+        98,
+    );
+    pub const RTC_DEVICE_PROPERTY_CURVE_GEOMETRY_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(
+        99,
+    );
+    pub const RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(
+        100,
+    );
+    pub const RTC_DEVICE_PROPERTY_POINT_GEOMETRY_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(
+        101,
+    );
+    pub const RTC_DEVICE_PROPERTY_TASKING_SYSTEM: RTCDeviceProperty = RTCDeviceProperty(
+        128,
+    );
+    pub const RTC_DEVICE_PROPERTY_JOIN_COMMIT_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(
+        129,
+    );
+    pub const RTC_DEVICE_PROPERTY_PARALLEL_COMMIT_SUPPORTED: RTCDeviceProperty = RTCDeviceProperty(
+        130,
+    );
 }
 #[repr(transparent)]
 #[derive(Debug, Copy, Clone, Hash, PartialEq, Eq)]
@@ -325,9 +393,15 @@ const _: () = {
     ["Offset of field: RTCHit::Ng_z"][::std::mem::offset_of!(RTCHit, Ng_z) - 8usize];
     ["Offset of field: RTCHit::u"][::std::mem::offset_of!(RTCHit, u) - 12usize];
     ["Offset of field: RTCHit::v"][::std::mem::offset_of!(RTCHit, v) - 16usize];
-    ["Offset of field: RTCHit::primID"][::std::mem::offset_of!(RTCHit, primID) - 20usize];
-    ["Offset of field: RTCHit::geomID"][::std::mem::offset_of!(RTCHit, geomID) - 24usize];
-    ["Offset of field: RTCHit::instID"][::std::mem::offset_of!(RTCHit, instID) - 28usize];
+    [
+        "Offset of field: RTCHit::primID",
+    ][::std::mem::offset_of!(RTCHit, primID) - 20usize];
+    [
+        "Offset of field: RTCHit::geomID",
+    ][::std::mem::offset_of!(RTCHit, geomID) - 24usize];
+    [
+        "Offset of field: RTCHit::instID",
+    ][::std::mem::offset_of!(RTCHit, instID) - 28usize];
 };
 #[repr(C)]
 #[repr(align(16))]
@@ -341,7 +415,9 @@ const _: () = {
     ["Size of RTCRayHit"][::std::mem::size_of::<RTCRayHit>() - 80usize];
     ["Alignment of RTCRayHit"][::std::mem::align_of::<RTCRayHit>() - 16usize];
     ["Offset of field: RTCRayHit::ray"][::std::mem::offset_of!(RTCRayHit, ray) - 0usize];
-    ["Offset of field: RTCRayHit::hit"][::std::mem::offset_of!(RTCRayHit, hit) - 48usize];
+    [
+        "Offset of field: RTCRayHit::hit",
+    ][::std::mem::offset_of!(RTCRayHit, hit) - 48usize];
 };
 #[repr(C)]
 #[repr(align(16))]
@@ -365,17 +441,31 @@ const _: () = {
     ["Size of RTCRay4"][::std::mem::size_of::<RTCRay4>() - 192usize];
     ["Alignment of RTCRay4"][::std::mem::align_of::<RTCRay4>() - 16usize];
     ["Offset of field: RTCRay4::org_x"][::std::mem::offset_of!(RTCRay4, org_x) - 0usize];
-    ["Offset of field: RTCRay4::org_y"][::std::mem::offset_of!(RTCRay4, org_y) - 16usize];
-    ["Offset of field: RTCRay4::org_z"][::std::mem::offset_of!(RTCRay4, org_z) - 32usize];
-    ["Offset of field: RTCRay4::tnear"][::std::mem::offset_of!(RTCRay4, tnear) - 48usize];
-    ["Offset of field: RTCRay4::dir_x"][::std::mem::offset_of!(RTCRay4, dir_x) - 64usize];
-    ["Offset of field: RTCRay4::dir_y"][::std::mem::offset_of!(RTCRay4, dir_y) - 80usize];
-    ["Offset of field: RTCRay4::dir_z"][::std::mem::offset_of!(RTCRay4, dir_z) - 96usize];
+    [
+        "Offset of field: RTCRay4::org_y",
+    ][::std::mem::offset_of!(RTCRay4, org_y) - 16usize];
+    [
+        "Offset of field: RTCRay4::org_z",
+    ][::std::mem::offset_of!(RTCRay4, org_z) - 32usize];
+    [
+        "Offset of field: RTCRay4::tnear",
+    ][::std::mem::offset_of!(RTCRay4, tnear) - 48usize];
+    [
+        "Offset of field: RTCRay4::dir_x",
+    ][::std::mem::offset_of!(RTCRay4, dir_x) - 64usize];
+    [
+        "Offset of field: RTCRay4::dir_y",
+    ][::std::mem::offset_of!(RTCRay4, dir_y) - 80usize];
+    [
+        "Offset of field: RTCRay4::dir_z",
+    ][::std::mem::offset_of!(RTCRay4, dir_z) - 96usize];
     ["Offset of field: RTCRay4::time"][::std::mem::offset_of!(RTCRay4, time) - 112usize];
     ["Offset of field: RTCRay4::tfar"][::std::mem::offset_of!(RTCRay4, tfar) - 128usize];
     ["Offset of field: RTCRay4::mask"][::std::mem::offset_of!(RTCRay4, mask) - 144usize];
     ["Offset of field: RTCRay4::id"][::std::mem::offset_of!(RTCRay4, id) - 160usize];
-    ["Offset of field: RTCRay4::flags"][::std::mem::offset_of!(RTCRay4, flags) - 176usize];
+    [
+        "Offset of field: RTCRay4::flags",
+    ][::std::mem::offset_of!(RTCRay4, flags) - 176usize];
 };
 #[repr(C)]
 #[repr(align(16))]
@@ -399,9 +489,15 @@ const _: () = {
     ["Offset of field: RTCHit4::Ng_z"][::std::mem::offset_of!(RTCHit4, Ng_z) - 32usize];
     ["Offset of field: RTCHit4::u"][::std::mem::offset_of!(RTCHit4, u) - 48usize];
     ["Offset of field: RTCHit4::v"][::std::mem::offset_of!(RTCHit4, v) - 64usize];
-    ["Offset of field: RTCHit4::primID"][::std::mem::offset_of!(RTCHit4, primID) - 80usize];
-    ["Offset of field: RTCHit4::geomID"][::std::mem::offset_of!(RTCHit4, geomID) - 96usize];
-    ["Offset of field: RTCHit4::instID"][::std::mem::offset_of!(RTCHit4, instID) - 112usize];
+    [
+        "Offset of field: RTCHit4::primID",
+    ][::std::mem::offset_of!(RTCHit4, primID) - 80usize];
+    [
+        "Offset of field: RTCHit4::geomID",
+    ][::std::mem::offset_of!(RTCHit4, geomID) - 96usize];
+    [
+        "Offset of field: RTCHit4::instID",
+    ][::std::mem::offset_of!(RTCHit4, instID) - 112usize];
 };
 #[repr(C)]
 #[repr(align(16))]
@@ -414,8 +510,12 @@ pub struct RTCRayHit4 {
 const _: () = {
     ["Size of RTCRayHit4"][::std::mem::size_of::<RTCRayHit4>() - 320usize];
     ["Alignment of RTCRayHit4"][::std::mem::align_of::<RTCRayHit4>() - 16usize];
-    ["Offset of field: RTCRayHit4::ray"][::std::mem::offset_of!(RTCRayHit4, ray) - 0usize];
-    ["Offset of field: RTCRayHit4::hit"][::std::mem::offset_of!(RTCRayHit4, hit) - 192usize];
+    [
+        "Offset of field: RTCRayHit4::ray",
+    ][::std::mem::offset_of!(RTCRayHit4, ray) - 0usize];
+    [
+        "Offset of field: RTCRayHit4::hit",
+    ][::std::mem::offset_of!(RTCRayHit4, hit) - 192usize];
 };
 #[repr(C)]
 #[repr(align(32))]
@@ -439,17 +539,31 @@ const _: () = {
     ["Size of RTCRay8"][::std::mem::size_of::<RTCRay8>() - 384usize];
     ["Alignment of RTCRay8"][::std::mem::align_of::<RTCRay8>() - 32usize];
     ["Offset of field: RTCRay8::org_x"][::std::mem::offset_of!(RTCRay8, org_x) - 0usize];
-    ["Offset of field: RTCRay8::org_y"][::std::mem::offset_of!(RTCRay8, org_y) - 32usize];
-    ["Offset of field: RTCRay8::org_z"][::std::mem::offset_of!(RTCRay8, org_z) - 64usize];
-    ["Offset of field: RTCRay8::tnear"][::std::mem::offset_of!(RTCRay8, tnear) - 96usize];
-    ["Offset of field: RTCRay8::dir_x"][::std::mem::offset_of!(RTCRay8, dir_x) - 128usize];
-    ["Offset of field: RTCRay8::dir_y"][::std::mem::offset_of!(RTCRay8, dir_y) - 160usize];
-    ["Offset of field: RTCRay8::dir_z"][::std::mem::offset_of!(RTCRay8, dir_z) - 192usize];
+    [
+        "Offset of field: RTCRay8::org_y",
+    ][::std::mem::offset_of!(RTCRay8, org_y) - 32usize];
+    [
+        "Offset of field: RTCRay8::org_z",
+    ][::std::mem::offset_of!(RTCRay8, org_z) - 64usize];
+    [
+        "Offset of field: RTCRay8::tnear",
+    ][::std::mem::offset_of!(RTCRay8, tnear) - 96usize];
+    [
+        "Offset of field: RTCRay8::dir_x",
+    ][::std::mem::offset_of!(RTCRay8, dir_x) - 128usize];
+    [
+        "Offset of field: RTCRay8::dir_y",
+    ][::std::mem::offset_of!(RTCRay8, dir_y) - 160usize];
+    [
+        "Offset of field: RTCRay8::dir_z",
+    ][::std::mem::offset_of!(RTCRay8, dir_z) - 192usize];
     ["Offset of field: RTCRay8::time"][::std::mem::offset_of!(RTCRay8, time) - 224usize];
     ["Offset of field: RTCRay8::tfar"][::std::mem::offset_of!(RTCRay8, tfar) - 256usize];
     ["Offset of field: RTCRay8::mask"][::std::mem::offset_of!(RTCRay8, mask) - 288usize];
     ["Offset of field: RTCRay8::id"][::std::mem::offset_of!(RTCRay8, id) - 320usize];
-    ["Offset of field: RTCRay8::flags"][::std::mem::offset_of!(RTCRay8, flags) - 352usize];
+    [
+        "Offset of field: RTCRay8::flags",
+    ][::std::mem::offset_of!(RTCRay8, flags) - 352usize];
 };
 #[repr(C)]
 #[repr(align(32))]
@@ -473,9 +587,15 @@ const _: () = {
     ["Offset of field: RTCHit8::Ng_z"][::std::mem::offset_of!(RTCHit8, Ng_z) - 64usize];
     ["Offset of field: RTCHit8::u"][::std::mem::offset_of!(RTCHit8, u) - 96usize];
     ["Offset of field: RTCHit8::v"][::std::mem::offset_of!(RTCHit8, v) - 128usize];
-    ["Offset of field: RTCHit8::primID"][::std::mem::offset_of!(RTCHit8, primID) - 160usize];
-    ["Offset of field: RTCHit8::geomID"][::std::mem::offset_of!(RTCHit8, geomID) - 192usize];
-    ["Offset of field: RTCHit8::instID"][::std::mem::offset_of!(RTCHit8, instID) - 224usize];
+    [
+        "Offset of field: RTCHit8::primID",
+    ][::std::mem::offset_of!(RTCHit8, primID) - 160usize];
+    [
+        "Offset of field: RTCHit8::geomID",
+    ][::std::mem::offset_of!(RTCHit8, geomID) - 192usize];
+    [
+        "Offset of field: RTCHit8::instID",
+    ][::std::mem::offset_of!(RTCHit8, instID) - 224usize];
 };
 #[repr(C)]
 #[repr(align(32))]
@@ -488,8 +608,12 @@ pub struct RTCRayHit8 {
 const _: () = {
     ["Size of RTCRayHit8"][::std::mem::size_of::<RTCRayHit8>() - 640usize];
     ["Alignment of RTCRayHit8"][::std::mem::align_of::<RTCRayHit8>() - 32usize];
-    ["Offset of field: RTCRayHit8::ray"][::std::mem::offset_of!(RTCRayHit8, ray) - 0usize];
-    ["Offset of field: RTCRayHit8::hit"][::std::mem::offset_of!(RTCRayHit8, hit) - 384usize];
+    [
+        "Offset of field: RTCRayHit8::ray",
+    ][::std::mem::offset_of!(RTCRayHit8, ray) - 0usize];
+    [
+        "Offset of field: RTCRayHit8::hit",
+    ][::std::mem::offset_of!(RTCRayHit8, hit) - 384usize];
 };
 #[repr(C)]
 #[repr(align(64))]
@@ -512,18 +636,40 @@ pub struct RTCRay16 {
 const _: () = {
     ["Size of RTCRay16"][::std::mem::size_of::<RTCRay16>() - 768usize];
     ["Alignment of RTCRay16"][::std::mem::align_of::<RTCRay16>() - 64usize];
-    ["Offset of field: RTCRay16::org_x"][::std::mem::offset_of!(RTCRay16, org_x) - 0usize];
-    ["Offset of field: RTCRay16::org_y"][::std::mem::offset_of!(RTCRay16, org_y) - 64usize];
-    ["Offset of field: RTCRay16::org_z"][::std::mem::offset_of!(RTCRay16, org_z) - 128usize];
-    ["Offset of field: RTCRay16::tnear"][::std::mem::offset_of!(RTCRay16, tnear) - 192usize];
-    ["Offset of field: RTCRay16::dir_x"][::std::mem::offset_of!(RTCRay16, dir_x) - 256usize];
-    ["Offset of field: RTCRay16::dir_y"][::std::mem::offset_of!(RTCRay16, dir_y) - 320usize];
-    ["Offset of field: RTCRay16::dir_z"][::std::mem::offset_of!(RTCRay16, dir_z) - 384usize];
-    ["Offset of field: RTCRay16::time"][::std::mem::offset_of!(RTCRay16, time) - 448usize];
-    ["Offset of field: RTCRay16::tfar"][::std::mem::offset_of!(RTCRay16, tfar) - 512usize];
-    ["Offset of field: RTCRay16::mask"][::std::mem::offset_of!(RTCRay16, mask) - 576usize];
+    [
+        "Offset of field: RTCRay16::org_x",
+    ][::std::mem::offset_of!(RTCRay16, org_x) - 0usize];
+    [
+        "Offset of field: RTCRay16::org_y",
+    ][::std::mem::offset_of!(RTCRay16, org_y) - 64usize];
+    [
+        "Offset of field: RTCRay16::org_z",
+    ][::std::mem::offset_of!(RTCRay16, org_z) - 128usize];
+    [
+        "Offset of field: RTCRay16::tnear",
+    ][::std::mem::offset_of!(RTCRay16, tnear) - 192usize];
+    [
+        "Offset of field: RTCRay16::dir_x",
+    ][::std::mem::offset_of!(RTCRay16, dir_x) - 256usize];
+    [
+        "Offset of field: RTCRay16::dir_y",
+    ][::std::mem::offset_of!(RTCRay16, dir_y) - 320usize];
+    [
+        "Offset of field: RTCRay16::dir_z",
+    ][::std::mem::offset_of!(RTCRay16, dir_z) - 384usize];
+    [
+        "Offset of field: RTCRay16::time",
+    ][::std::mem::offset_of!(RTCRay16, time) - 448usize];
+    [
+        "Offset of field: RTCRay16::tfar",
+    ][::std::mem::offset_of!(RTCRay16, tfar) - 512usize];
+    [
+        "Offset of field: RTCRay16::mask",
+    ][::std::mem::offset_of!(RTCRay16, mask) - 576usize];
     ["Offset of field: RTCRay16::id"][::std::mem::offset_of!(RTCRay16, id) - 640usize];
-    ["Offset of field: RTCRay16::flags"][::std::mem::offset_of!(RTCRay16, flags) - 704usize];
+    [
+        "Offset of field: RTCRay16::flags",
+    ][::std::mem::offset_of!(RTCRay16, flags) - 704usize];
 };
 #[repr(C)]
 #[repr(align(64))]
@@ -543,13 +689,23 @@ const _: () = {
     ["Size of RTCHit16"][::std::mem::size_of::<RTCHit16>() - 512usize];
     ["Alignment of RTCHit16"][::std::mem::align_of::<RTCHit16>() - 64usize];
     ["Offset of field: RTCHit16::Ng_x"][::std::mem::offset_of!(RTCHit16, Ng_x) - 0usize];
-    ["Offset of field: RTCHit16::Ng_y"][::std::mem::offset_of!(RTCHit16, Ng_y) - 64usize];
-    ["Offset of field: RTCHit16::Ng_z"][::std::mem::offset_of!(RTCHit16, Ng_z) - 128usize];
+    [
+        "Offset of field: RTCHit16::Ng_y",
+    ][::std::mem::offset_of!(RTCHit16, Ng_y) - 64usize];
+    [
+        "Offset of field: RTCHit16::Ng_z",
+    ][::std::mem::offset_of!(RTCHit16, Ng_z) - 128usize];
     ["Offset of field: RTCHit16::u"][::std::mem::offset_of!(RTCHit16, u) - 192usize];
     ["Offset of field: RTCHit16::v"][::std::mem::offset_of!(RTCHit16, v) - 256usize];
-    ["Offset of field: RTCHit16::primID"][::std::mem::offset_of!(RTCHit16, primID) - 320usize];
-    ["Offset of field: RTCHit16::geomID"][::std::mem::offset_of!(RTCHit16, geomID) - 384usize];
-    ["Offset of field: RTCHit16::instID"][::std::mem::offset_of!(RTCHit16, instID) - 448usize];
+    [
+        "Offset of field: RTCHit16::primID",
+    ][::std::mem::offset_of!(RTCHit16, primID) - 320usize];
+    [
+        "Offset of field: RTCHit16::geomID",
+    ][::std::mem::offset_of!(RTCHit16, geomID) - 384usize];
+    [
+        "Offset of field: RTCHit16::instID",
+    ][::std::mem::offset_of!(RTCHit16, instID) - 448usize];
 };
 #[repr(C)]
 #[repr(align(64))]
@@ -562,8 +718,12 @@ pub struct RTCRayHit16 {
 const _: () = {
     ["Size of RTCRayHit16"][::std::mem::size_of::<RTCRayHit16>() - 1280usize];
     ["Alignment of RTCRayHit16"][::std::mem::align_of::<RTCRayHit16>() - 64usize];
-    ["Offset of field: RTCRayHit16::ray"][::std::mem::offset_of!(RTCRayHit16, ray) - 0usize];
-    ["Offset of field: RTCRayHit16::hit"][::std::mem::offset_of!(RTCRayHit16, hit) - 768usize];
+    [
+        "Offset of field: RTCRayHit16::ray",
+    ][::std::mem::offset_of!(RTCRayHit16, ray) - 0usize];
+    [
+        "Offset of field: RTCRayHit16::hit",
+    ][::std::mem::offset_of!(RTCRayHit16, hit) - 768usize];
 };
 #[repr(C)]
 #[derive(Debug)]
@@ -586,26 +746,49 @@ impl RTCGeometryType {
     pub const RTC_GEOMETRY_TYPE_GRID: RTCGeometryType = RTCGeometryType(2);
     pub const RTC_GEOMETRY_TYPE_SUBDIVISION: RTCGeometryType = RTCGeometryType(8);
     pub const RTC_GEOMETRY_TYPE_CONE_LINEAR_CURVE: RTCGeometryType = RTCGeometryType(15);
-    pub const RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE: RTCGeometryType = RTCGeometryType(16);
+    pub const RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE: RTCGeometryType = RTCGeometryType(
+        16,
+    );
     pub const RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE: RTCGeometryType = RTCGeometryType(17);
-    pub const RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE: RTCGeometryType = RTCGeometryType(24);
+    pub const RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE: RTCGeometryType = RTCGeometryType(
+        24,
+    );
     pub const RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE: RTCGeometryType = RTCGeometryType(25);
-    pub const RTC_GEOMETRY_TYPE_NORMAL_ORIENTED_BEZIER_CURVE: RTCGeometryType = RTCGeometryType(26);
-    pub const RTC_GEOMETRY_TYPE_ROUND_BSPLINE_CURVE: RTCGeometryType = RTCGeometryType(32);
-    pub const RTC_GEOMETRY_TYPE_FLAT_BSPLINE_CURVE: RTCGeometryType = RTCGeometryType(33);
-    pub const RTC_GEOMETRY_TYPE_NORMAL_ORIENTED_BSPLINE_CURVE: RTCGeometryType =
-        RTCGeometryType(34);
-    pub const RTC_GEOMETRY_TYPE_ROUND_HERMITE_CURVE: RTCGeometryType = RTCGeometryType(40);
-    pub const RTC_GEOMETRY_TYPE_FLAT_HERMITE_CURVE: RTCGeometryType = RTCGeometryType(41);
-    pub const RTC_GEOMETRY_TYPE_NORMAL_ORIENTED_HERMITE_CURVE: RTCGeometryType =
-        RTCGeometryType(42);
+    pub const RTC_GEOMETRY_TYPE_NORMAL_ORIENTED_BEZIER_CURVE: RTCGeometryType = RTCGeometryType(
+        26,
+    );
+    pub const RTC_GEOMETRY_TYPE_ROUND_BSPLINE_CURVE: RTCGeometryType = RTCGeometryType(
+        32,
+    );
+    pub const RTC_GEOMETRY_TYPE_FLAT_BSPLINE_CURVE: RTCGeometryType = RTCGeometryType(
+        33,
+    );
+    pub const RTC_GEOMETRY_TYPE_NORMAL_ORIENTED_BSPLINE_CURVE: RTCGeometryType = RTCGeometryType(
+        34,
+    );
+    pub const RTC_GEOMETRY_TYPE_ROUND_HERMITE_CURVE: RTCGeometryType = RTCGeometryType(
+        40,
+    );
+    pub const RTC_GEOMETRY_TYPE_FLAT_HERMITE_CURVE: RTCGeometryType = RTCGeometryType(
+        41,
+    );
+    pub const RTC_GEOMETRY_TYPE_NORMAL_ORIENTED_HERMITE_CURVE: RTCGeometryType = RTCGeometryType(
+        42,
+    );
     pub const RTC_GEOMETRY_TYPE_SPHERE_POINT: RTCGeometryType = RTCGeometryType(50);
     pub const RTC_GEOMETRY_TYPE_DISC_POINT: RTCGeometryType = RTCGeometryType(51);
-    pub const RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT: RTCGeometryType = RTCGeometryType(52);
-    pub const RTC_GEOMETRY_TYPE_ROUND_CATMULL_ROM_CURVE: RTCGeometryType = RTCGeometryType(58);
-    pub const RTC_GEOMETRY_TYPE_FLAT_CATMULL_ROM_CURVE: RTCGeometryType = RTCGeometryType(59);
-    pub const RTC_GEOMETRY_TYPE_NORMAL_ORIENTED_CATMULL_ROM_CURVE: RTCGeometryType =
-        RTCGeometryType(60);
+    pub const RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT: RTCGeometryType = RTCGeometryType(
+        52,
+    );
+    pub const RTC_GEOMETRY_TYPE_ROUND_CATMULL_ROM_CURVE: RTCGeometryType = RTCGeometryType(
+        58,
+    );
+    pub const RTC_GEOMETRY_TYPE_FLAT_CATMULL_ROM_CURVE: RTCGeometryType = RTCGeometryType(
+        59,
+    );
+    pub const RTC_GEOMETRY_TYPE_NORMAL_ORIENTED_CATMULL_ROM_CURVE: RTCGeometryType = RTCGeometryType(
+        60,
+    );
     pub const RTC_GEOMETRY_TYPE_USER: RTCGeometryType = RTCGeometryType(120);
     pub const RTC_GEOMETRY_TYPE_INSTANCE: RTCGeometryType = RTCGeometryType(121);
 }
@@ -622,18 +805,24 @@ pub struct RTCBoundsFunctionArguments {
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of RTCBoundsFunctionArguments"]
-        [::std::mem::size_of::<RTCBoundsFunctionArguments>() - 24usize];
-    ["Alignment of RTCBoundsFunctionArguments"]
-        [::std::mem::align_of::<RTCBoundsFunctionArguments>() - 8usize];
-    ["Offset of field: RTCBoundsFunctionArguments::geometryUserPtr"]
-        [::std::mem::offset_of!(RTCBoundsFunctionArguments, geometryUserPtr) - 0usize];
-    ["Offset of field: RTCBoundsFunctionArguments::primID"]
-        [::std::mem::offset_of!(RTCBoundsFunctionArguments, primID) - 8usize];
-    ["Offset of field: RTCBoundsFunctionArguments::timeStep"]
-        [::std::mem::offset_of!(RTCBoundsFunctionArguments, timeStep) - 12usize];
-    ["Offset of field: RTCBoundsFunctionArguments::bounds_o"]
-        [::std::mem::offset_of!(RTCBoundsFunctionArguments, bounds_o) - 16usize];
+    [
+        "Size of RTCBoundsFunctionArguments",
+    ][::std::mem::size_of::<RTCBoundsFunctionArguments>() - 24usize];
+    [
+        "Alignment of RTCBoundsFunctionArguments",
+    ][::std::mem::align_of::<RTCBoundsFunctionArguments>() - 8usize];
+    [
+        "Offset of field: RTCBoundsFunctionArguments::geometryUserPtr",
+    ][::std::mem::offset_of!(RTCBoundsFunctionArguments, geometryUserPtr) - 0usize];
+    [
+        "Offset of field: RTCBoundsFunctionArguments::primID",
+    ][::std::mem::offset_of!(RTCBoundsFunctionArguments, primID) - 8usize];
+    [
+        "Offset of field: RTCBoundsFunctionArguments::timeStep",
+    ][::std::mem::offset_of!(RTCBoundsFunctionArguments, timeStep) - 12usize];
+    [
+        "Offset of field: RTCBoundsFunctionArguments::bounds_o",
+    ][::std::mem::offset_of!(RTCBoundsFunctionArguments, bounds_o) - 16usize];
 };
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
@@ -648,24 +837,33 @@ pub struct RTCIntersectFunctionNArguments {
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of RTCIntersectFunctionNArguments"]
-        [::std::mem::size_of::<RTCIntersectFunctionNArguments>() - 48usize];
-    ["Alignment of RTCIntersectFunctionNArguments"]
-        [::std::mem::align_of::<RTCIntersectFunctionNArguments>() - 8usize];
-    ["Offset of field: RTCIntersectFunctionNArguments::valid"]
-        [::std::mem::offset_of!(RTCIntersectFunctionNArguments, valid) - 0usize];
-    ["Offset of field: RTCIntersectFunctionNArguments::geometryUserPtr"]
-        [::std::mem::offset_of!(RTCIntersectFunctionNArguments, geometryUserPtr) - 8usize];
-    ["Offset of field: RTCIntersectFunctionNArguments::primID"]
-        [::std::mem::offset_of!(RTCIntersectFunctionNArguments, primID) - 16usize];
-    ["Offset of field: RTCIntersectFunctionNArguments::context"]
-        [::std::mem::offset_of!(RTCIntersectFunctionNArguments, context) - 24usize];
-    ["Offset of field: RTCIntersectFunctionNArguments::rayhit"]
-        [::std::mem::offset_of!(RTCIntersectFunctionNArguments, rayhit) - 32usize];
-    ["Offset of field: RTCIntersectFunctionNArguments::N"]
-        [::std::mem::offset_of!(RTCIntersectFunctionNArguments, N) - 40usize];
-    ["Offset of field: RTCIntersectFunctionNArguments::geomID"]
-        [::std::mem::offset_of!(RTCIntersectFunctionNArguments, geomID) - 44usize];
+    [
+        "Size of RTCIntersectFunctionNArguments",
+    ][::std::mem::size_of::<RTCIntersectFunctionNArguments>() - 48usize];
+    [
+        "Alignment of RTCIntersectFunctionNArguments",
+    ][::std::mem::align_of::<RTCIntersectFunctionNArguments>() - 8usize];
+    [
+        "Offset of field: RTCIntersectFunctionNArguments::valid",
+    ][::std::mem::offset_of!(RTCIntersectFunctionNArguments, valid) - 0usize];
+    [
+        "Offset of field: RTCIntersectFunctionNArguments::geometryUserPtr",
+    ][::std::mem::offset_of!(RTCIntersectFunctionNArguments, geometryUserPtr) - 8usize];
+    [
+        "Offset of field: RTCIntersectFunctionNArguments::primID",
+    ][::std::mem::offset_of!(RTCIntersectFunctionNArguments, primID) - 16usize];
+    [
+        "Offset of field: RTCIntersectFunctionNArguments::context",
+    ][::std::mem::offset_of!(RTCIntersectFunctionNArguments, context) - 24usize];
+    [
+        "Offset of field: RTCIntersectFunctionNArguments::rayhit",
+    ][::std::mem::offset_of!(RTCIntersectFunctionNArguments, rayhit) - 32usize];
+    [
+        "Offset of field: RTCIntersectFunctionNArguments::N",
+    ][::std::mem::offset_of!(RTCIntersectFunctionNArguments, N) - 40usize];
+    [
+        "Offset of field: RTCIntersectFunctionNArguments::geomID",
+    ][::std::mem::offset_of!(RTCIntersectFunctionNArguments, geomID) - 44usize];
 };
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
@@ -680,24 +878,33 @@ pub struct RTCOccludedFunctionNArguments {
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of RTCOccludedFunctionNArguments"]
-        [::std::mem::size_of::<RTCOccludedFunctionNArguments>() - 48usize];
-    ["Alignment of RTCOccludedFunctionNArguments"]
-        [::std::mem::align_of::<RTCOccludedFunctionNArguments>() - 8usize];
-    ["Offset of field: RTCOccludedFunctionNArguments::valid"]
-        [::std::mem::offset_of!(RTCOccludedFunctionNArguments, valid) - 0usize];
-    ["Offset of field: RTCOccludedFunctionNArguments::geometryUserPtr"]
-        [::std::mem::offset_of!(RTCOccludedFunctionNArguments, geometryUserPtr) - 8usize];
-    ["Offset of field: RTCOccludedFunctionNArguments::primID"]
-        [::std::mem::offset_of!(RTCOccludedFunctionNArguments, primID) - 16usize];
-    ["Offset of field: RTCOccludedFunctionNArguments::context"]
-        [::std::mem::offset_of!(RTCOccludedFunctionNArguments, context) - 24usize];
-    ["Offset of field: RTCOccludedFunctionNArguments::ray"]
-        [::std::mem::offset_of!(RTCOccludedFunctionNArguments, ray) - 32usize];
-    ["Offset of field: RTCOccludedFunctionNArguments::N"]
-        [::std::mem::offset_of!(RTCOccludedFunctionNArguments, N) - 40usize];
-    ["Offset of field: RTCOccludedFunctionNArguments::geomID"]
-        [::std::mem::offset_of!(RTCOccludedFunctionNArguments, geomID) - 44usize];
+    [
+        "Size of RTCOccludedFunctionNArguments",
+    ][::std::mem::size_of::<RTCOccludedFunctionNArguments>() - 48usize];
+    [
+        "Alignment of RTCOccludedFunctionNArguments",
+    ][::std::mem::align_of::<RTCOccludedFunctionNArguments>() - 8usize];
+    [
+        "Offset of field: RTCOccludedFunctionNArguments::valid",
+    ][::std::mem::offset_of!(RTCOccludedFunctionNArguments, valid) - 0usize];
+    [
+        "Offset of field: RTCOccludedFunctionNArguments::geometryUserPtr",
+    ][::std::mem::offset_of!(RTCOccludedFunctionNArguments, geometryUserPtr) - 8usize];
+    [
+        "Offset of field: RTCOccludedFunctionNArguments::primID",
+    ][::std::mem::offset_of!(RTCOccludedFunctionNArguments, primID) - 16usize];
+    [
+        "Offset of field: RTCOccludedFunctionNArguments::context",
+    ][::std::mem::offset_of!(RTCOccludedFunctionNArguments, context) - 24usize];
+    [
+        "Offset of field: RTCOccludedFunctionNArguments::ray",
+    ][::std::mem::offset_of!(RTCOccludedFunctionNArguments, ray) - 32usize];
+    [
+        "Offset of field: RTCOccludedFunctionNArguments::N",
+    ][::std::mem::offset_of!(RTCOccludedFunctionNArguments, N) - 40usize];
+    [
+        "Offset of field: RTCOccludedFunctionNArguments::geomID",
+    ][::std::mem::offset_of!(RTCOccludedFunctionNArguments, geomID) - 44usize];
 };
 impl RTCSceneFlags {
     pub const RTC_SCENE_FLAG_NONE: RTCSceneFlags = RTCSceneFlags(0);

@@ -8,6 +8,9 @@
 )]
 #![allow(clippy::all, clippy::undocumented_unsafe_blocks)]
 
+#[rustfmt::skip]
 pub(crate) mod embree_3;
+#[rustfmt::skip]
 pub(crate) mod embree_4;
+#[rustfmt::skip]
 pub mod table;

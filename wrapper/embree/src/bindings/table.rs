@@ -32,22 +32,30 @@ pub struct CurvetriBounds {
 const _: () = {
     ["Size of CurvetriBounds"][::std::mem::size_of::<CurvetriBounds>() - 32usize];
     ["Alignment of CurvetriBounds"][::std::mem::align_of::<CurvetriBounds>() - 4usize];
-    ["Offset of field: CurvetriBounds::lower_x"]
-        [::std::mem::offset_of!(CurvetriBounds, lower_x) - 0usize];
-    ["Offset of field: CurvetriBounds::lower_y"]
-        [::std::mem::offset_of!(CurvetriBounds, lower_y) - 4usize];
-    ["Offset of field: CurvetriBounds::lower_z"]
-        [::std::mem::offset_of!(CurvetriBounds, lower_z) - 8usize];
-    ["Offset of field: CurvetriBounds::align0"]
-        [::std::mem::offset_of!(CurvetriBounds, align0) - 12usize];
-    ["Offset of field: CurvetriBounds::upper_x"]
-        [::std::mem::offset_of!(CurvetriBounds, upper_x) - 16usize];
-    ["Offset of field: CurvetriBounds::upper_y"]
-        [::std::mem::offset_of!(CurvetriBounds, upper_y) - 20usize];
-    ["Offset of field: CurvetriBounds::upper_z"]
-        [::std::mem::offset_of!(CurvetriBounds, upper_z) - 24usize];
-    ["Offset of field: CurvetriBounds::align1"]
-        [::std::mem::offset_of!(CurvetriBounds, align1) - 28usize];
+    [
+        "Offset of field: CurvetriBounds::lower_x",
+    ][::std::mem::offset_of!(CurvetriBounds, lower_x) - 0usize];
+    [
+        "Offset of field: CurvetriBounds::lower_y",
+    ][::std::mem::offset_of!(CurvetriBounds, lower_y) - 4usize];
+    [
+        "Offset of field: CurvetriBounds::lower_z",
+    ][::std::mem::offset_of!(CurvetriBounds, lower_z) - 8usize];
+    [
+        "Offset of field: CurvetriBounds::align0",
+    ][::std::mem::offset_of!(CurvetriBounds, align0) - 12usize];
+    [
+        "Offset of field: CurvetriBounds::upper_x",
+    ][::std::mem::offset_of!(CurvetriBounds, upper_x) - 16usize];
+    [
+        "Offset of field: CurvetriBounds::upper_y",
+    ][::std::mem::offset_of!(CurvetriBounds, upper_y) - 20usize];
+    [
+        "Offset of field: CurvetriBounds::upper_z",
+    ][::std::mem::offset_of!(CurvetriBounds, upper_z) - 24usize];
+    [
+        "Offset of field: CurvetriBounds::align1",
+    ][::std::mem::offset_of!(CurvetriBounds, align1) - 28usize];
 };
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
@@ -59,16 +67,24 @@ pub struct CurvetriBoundsCall {
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of CurvetriBoundsCall"][::std::mem::size_of::<CurvetriBoundsCall>() - 24usize];
-    ["Alignment of CurvetriBoundsCall"][::std::mem::align_of::<CurvetriBoundsCall>() - 8usize];
-    ["Offset of field: CurvetriBoundsCall::user"]
-        [::std::mem::offset_of!(CurvetriBoundsCall, user) - 0usize];
-    ["Offset of field: CurvetriBoundsCall::prim_id"]
-        [::std::mem::offset_of!(CurvetriBoundsCall, prim_id) - 8usize];
-    ["Offset of field: CurvetriBoundsCall::time_step"]
-        [::std::mem::offset_of!(CurvetriBoundsCall, time_step) - 12usize];
-    ["Offset of field: CurvetriBoundsCall::bounds"]
-        [::std::mem::offset_of!(CurvetriBoundsCall, bounds) - 16usize];
+    [
+        "Size of CurvetriBoundsCall",
+    ][::std::mem::size_of::<CurvetriBoundsCall>() - 24usize];
+    [
+        "Alignment of CurvetriBoundsCall",
+    ][::std::mem::align_of::<CurvetriBoundsCall>() - 8usize];
+    [
+        "Offset of field: CurvetriBoundsCall::user",
+    ][::std::mem::offset_of!(CurvetriBoundsCall, user) - 0usize];
+    [
+        "Offset of field: CurvetriBoundsCall::prim_id",
+    ][::std::mem::offset_of!(CurvetriBoundsCall, prim_id) - 8usize];
+    [
+        "Offset of field: CurvetriBoundsCall::time_step",
+    ][::std::mem::offset_of!(CurvetriBoundsCall, time_step) - 12usize];
+    [
+        "Offset of field: CurvetriBoundsCall::bounds",
+    ][::std::mem::offset_of!(CurvetriBoundsCall, bounds) - 16usize];
 };
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
@@ -85,16 +101,27 @@ pub struct CurvetriCall {
 const _: () = {
     ["Size of CurvetriCall"][::std::mem::size_of::<CurvetriCall>() - 48usize];
     ["Alignment of CurvetriCall"][::std::mem::align_of::<CurvetriCall>() - 8usize];
-    ["Offset of field: CurvetriCall::valid"][::std::mem::offset_of!(CurvetriCall, valid) - 0usize];
-    ["Offset of field: CurvetriCall::user"][::std::mem::offset_of!(CurvetriCall, user) - 8usize];
-    ["Offset of field: CurvetriCall::prim_id"]
-        [::std::mem::offset_of!(CurvetriCall, prim_id) - 16usize];
-    ["Offset of field: CurvetriCall::context"]
-        [::std::mem::offset_of!(CurvetriCall, context) - 24usize];
-    ["Offset of field: CurvetriCall::rays"][::std::mem::offset_of!(CurvetriCall, rays) - 32usize];
-    ["Offset of field: CurvetriCall::width"][::std::mem::offset_of!(CurvetriCall, width) - 40usize];
-    ["Offset of field: CurvetriCall::geom_id"]
-        [::std::mem::offset_of!(CurvetriCall, geom_id) - 44usize];
+    [
+        "Offset of field: CurvetriCall::valid",
+    ][::std::mem::offset_of!(CurvetriCall, valid) - 0usize];
+    [
+        "Offset of field: CurvetriCall::user",
+    ][::std::mem::offset_of!(CurvetriCall, user) - 8usize];
+    [
+        "Offset of field: CurvetriCall::prim_id",
+    ][::std::mem::offset_of!(CurvetriCall, prim_id) - 16usize];
+    [
+        "Offset of field: CurvetriCall::context",
+    ][::std::mem::offset_of!(CurvetriCall, context) - 24usize];
+    [
+        "Offset of field: CurvetriCall::rays",
+    ][::std::mem::offset_of!(CurvetriCall, rays) - 32usize];
+    [
+        "Offset of field: CurvetriCall::width",
+    ][::std::mem::offset_of!(CurvetriCall, width) - 40usize];
+    [
+        "Offset of field: CurvetriCall::geom_id",
+    ][::std::mem::offset_of!(CurvetriCall, geom_id) - 44usize];
 };
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
@@ -109,19 +136,27 @@ pub struct CurvetriCandidate {
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
     ["Size of CurvetriCandidate"][::std::mem::size_of::<CurvetriCandidate>() - 48usize];
-    ["Alignment of CurvetriCandidate"][::std::mem::align_of::<CurvetriCandidate>() - 8usize];
-    ["Offset of field: CurvetriCandidate::valid"]
-        [::std::mem::offset_of!(CurvetriCandidate, valid) - 0usize];
-    ["Offset of field: CurvetriCandidate::user"]
-        [::std::mem::offset_of!(CurvetriCandidate, user) - 8usize];
-    ["Offset of field: CurvetriCandidate::context"]
-        [::std::mem::offset_of!(CurvetriCandidate, context) - 16usize];
-    ["Offset of field: CurvetriCandidate::ray"]
-        [::std::mem::offset_of!(CurvetriCandidate, ray) - 24usize];
-    ["Offset of field: CurvetriCandidate::hit"]
-        [::std::mem::offset_of!(CurvetriCandidate, hit) - 32usize];
-    ["Offset of field: CurvetriCandidate::width"]
-        [::std::mem::offset_of!(CurvetriCandidate, width) - 40usize];
+    [
+        "Alignment of CurvetriCandidate",
+    ][::std::mem::align_of::<CurvetriCandidate>() - 8usize];
+    [
+        "Offset of field: CurvetriCandidate::valid",
+    ][::std::mem::offset_of!(CurvetriCandidate, valid) - 0usize];
+    [
+        "Offset of field: CurvetriCandidate::user",
+    ][::std::mem::offset_of!(CurvetriCandidate, user) - 8usize];
+    [
+        "Offset of field: CurvetriCandidate::context",
+    ][::std::mem::offset_of!(CurvetriCandidate, context) - 16usize];
+    [
+        "Offset of field: CurvetriCandidate::ray",
+    ][::std::mem::offset_of!(CurvetriCandidate, ray) - 24usize];
+    [
+        "Offset of field: CurvetriCandidate::hit",
+    ][::std::mem::offset_of!(CurvetriCandidate, hit) - 32usize];
+    [
+        "Offset of field: CurvetriCandidate::width",
+    ][::std::mem::offset_of!(CurvetriCandidate, width) - 40usize];
 };
 pub type CurvetriErrorFunction = ::std::option::Option<
     unsafe extern "C" fn(
@@ -131,14 +166,21 @@ pub type CurvetriErrorFunction = ::std::option::Option<
     ),
 >;
 pub type CurvetriMemoryFunction = ::std::option::Option<
-    unsafe extern "C" fn(user: *mut ::std::os::raw::c_void, bytes: isize, post: bool) -> bool,
+    unsafe extern "C" fn(
+        user: *mut ::std::os::raw::c_void,
+        bytes: isize,
+        post: bool,
+    ) -> bool,
 >;
-pub type CurvetriBoundsFunction =
-    ::std::option::Option<unsafe extern "C" fn(call: *const CurvetriBoundsCall)>;
-pub type CurvetriCallFunction =
-    ::std::option::Option<unsafe extern "C" fn(call: *const CurvetriCall)>;
-pub type CurvetriFilterFunction =
-    ::std::option::Option<unsafe extern "C" fn(candidate: *const CurvetriCandidate)>;
+pub type CurvetriBoundsFunction = ::std::option::Option<
+    unsafe extern "C" fn(call: *const CurvetriBoundsCall),
+>;
+pub type CurvetriCallFunction = ::std::option::Option<
+    unsafe extern "C" fn(call: *const CurvetriCall),
+>;
+pub type CurvetriFilterFunction = ::std::option::Option<
+    unsafe extern "C" fn(candidate: *const CurvetriCandidate),
+>;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
 pub struct CurvetriQuery {
@@ -149,10 +191,12 @@ pub struct CurvetriQuery {
 const _: () = {
     ["Size of CurvetriQuery"][::std::mem::size_of::<CurvetriQuery>() - 16usize];
     ["Alignment of CurvetriQuery"][::std::mem::align_of::<CurvetriQuery>() - 8usize];
-    ["Offset of field: CurvetriQuery::coherent"]
-        [::std::mem::offset_of!(CurvetriQuery, coherent) - 0usize];
-    ["Offset of field: CurvetriQuery::filter"]
-        [::std::mem::offset_of!(CurvetriQuery, filter) - 8usize];
+    [
+        "Offset of field: CurvetriQuery::coherent",
+    ][::std::mem::offset_of!(CurvetriQuery, coherent) - 0usize];
+    [
+        "Offset of field: CurvetriQuery::filter",
+    ][::std::mem::offset_of!(CurvetriQuery, filter) - 8usize];
 };
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
@@ -166,9 +210,13 @@ pub struct CurvetriEmbree {
     pub context_inst_id: ::std::os::raw::c_uint,
     pub query_filter_scene_flag: ::std::os::raw::c_uint,
     pub new_device: ::std::option::Option<
-        unsafe extern "C" fn(config: *const ::std::os::raw::c_char) -> *mut CurvetriDevice,
+        unsafe extern "C" fn(
+            config: *const ::std::os::raw::c_char,
+        ) -> *mut CurvetriDevice,
     >,
-    pub release_device: ::std::option::Option<unsafe extern "C" fn(device: *mut CurvetriDevice)>,
+    pub release_device: ::std::option::Option<
+        unsafe extern "C" fn(device: *mut CurvetriDevice),
+    >,
     pub get_device_property: ::std::option::Option<
         unsafe extern "C" fn(
             device: *mut CurvetriDevice,
@@ -198,24 +246,39 @@ pub struct CurvetriEmbree {
             type_: ::std::os::raw::c_uint,
         ) -> *mut CurvetriGeometry,
     >,
-    pub release_geometry:
-        ::std::option::Option<unsafe extern "C" fn(geometry: *mut CurvetriGeometry)>,
-    pub commit_geometry:
-        ::std::option::Option<unsafe extern "C" fn(geometry: *mut CurvetriGeometry)>,
+    pub release_geometry: ::std::option::Option<
+        unsafe extern "C" fn(geometry: *mut CurvetriGeometry),
+    >,
+    pub commit_geometry: ::std::option::Option<
+        unsafe extern "C" fn(geometry: *mut CurvetriGeometry),
+    >,
     pub set_geometry_user_data: ::std::option::Option<
-        unsafe extern "C" fn(geometry: *mut CurvetriGeometry, user: *mut ::std::os::raw::c_void),
+        unsafe extern "C" fn(
+            geometry: *mut CurvetriGeometry,
+            user: *mut ::std::os::raw::c_void,
+        ),
     >,
     pub set_geometry_mask: ::std::option::Option<
-        unsafe extern "C" fn(geometry: *mut CurvetriGeometry, mask: ::std::os::raw::c_uint),
+        unsafe extern "C" fn(
+            geometry: *mut CurvetriGeometry,
+            mask: ::std::os::raw::c_uint,
+        ),
     >,
     pub set_geometry_build_quality: ::std::option::Option<
-        unsafe extern "C" fn(geometry: *mut CurvetriGeometry, quality: ::std::os::raw::c_uint),
+        unsafe extern "C" fn(
+            geometry: *mut CurvetriGeometry,
+            quality: ::std::os::raw::c_uint,
+        ),
     >,
     pub set_geometry_time_step_count: ::std::option::Option<
-        unsafe extern "C" fn(geometry: *mut CurvetriGeometry, count: ::std::os::raw::c_uint),
+        unsafe extern "C" fn(
+            geometry: *mut CurvetriGeometry,
+            count: ::std::os::raw::c_uint,
+        ),
     >,
-    pub set_geometry_tessellation_rate:
-        ::std::option::Option<unsafe extern "C" fn(geometry: *mut CurvetriGeometry, rate: f32)>,
+    pub set_geometry_tessellation_rate: ::std::option::Option<
+        unsafe extern "C" fn(geometry: *mut CurvetriGeometry, rate: f32),
+    >,
     pub set_new_geometry_buffer: ::std::option::Option<
         unsafe extern "C" fn(
             geometry: *mut CurvetriGeometry,
@@ -227,22 +290,40 @@ pub struct CurvetriEmbree {
         ) -> *mut ::std::os::raw::c_void,
     >,
     pub set_geometry_intersect_filter: ::std::option::Option<
-        unsafe extern "C" fn(geometry: *mut CurvetriGeometry, filter: CurvetriFilterFunction),
+        unsafe extern "C" fn(
+            geometry: *mut CurvetriGeometry,
+            filter: CurvetriFilterFunction,
+        ),
     >,
     pub set_geometry_occluded_filter: ::std::option::Option<
-        unsafe extern "C" fn(geometry: *mut CurvetriGeometry, filter: CurvetriFilterFunction),
+        unsafe extern "C" fn(
+            geometry: *mut CurvetriGeometry,
+            filter: CurvetriFilterFunction,
+        ),
     >,
     pub set_geometry_primitive_count: ::std::option::Option<
-        unsafe extern "C" fn(geometry: *mut CurvetriGeometry, count: ::std::os::raw::c_uint),
+        unsafe extern "C" fn(
+            geometry: *mut CurvetriGeometry,
+            count: ::std::os::raw::c_uint,
+        ),
     >,
     pub set_geometry_bounds_function: ::std::option::Option<
-        unsafe extern "C" fn(geometry: *mut CurvetriGeometry, function: CurvetriBoundsFunction),
+        unsafe extern "C" fn(
+            geometry: *mut CurvetriGeometry,
+            function: CurvetriBoundsFunction,
+        ),
     >,
     pub set_geometry_intersect_function: ::std::option::Option<
-        unsafe extern "C" fn(geometry: *mut CurvetriGeometry, function: CurvetriCallFunction),
+        unsafe extern "C" fn(
+            geometry: *mut CurvetriGeometry,
+            function: CurvetriCallFunction,
+        ),
     >,
     pub set_geometry_occluded_function: ::std::option::Option<
-        unsafe extern "C" fn(geometry: *mut CurvetriGeometry, function: CurvetriCallFunction),
+        unsafe extern "C" fn(
+            geometry: *mut CurvetriGeometry,
+            function: CurvetriCallFunction,
+        ),
     >,
     pub set_geometry_instanced_scene: ::std::option::Option<
         unsafe extern "C" fn(geometry: *mut CurvetriGeometry, scene: *mut CurvetriScene),
@@ -258,7 +339,9 @@ pub struct CurvetriEmbree {
     pub new_scene: ::std::option::Option<
         unsafe extern "C" fn(device: *mut CurvetriDevice) -> *mut CurvetriScene,
     >,
-    pub release_scene: ::std::option::Option<unsafe extern "C" fn(scene: *mut CurvetriScene)>,
+    pub release_scene: ::std::option::Option<
+        unsafe extern "C" fn(scene: *mut CurvetriScene),
+    >,
     pub set_scene_flags: ::std::option::Option<
         unsafe extern "C" fn(scene: *mut CurvetriScene, flags: ::std::os::raw::c_uint),
     >,
@@ -271,7 +354,9 @@ pub struct CurvetriEmbree {
             geometry: *mut CurvetriGeometry,
         ) -> ::std::os::raw::c_uint,
     >,
-    pub commit_scene: ::std::option::Option<unsafe extern "C" fn(scene: *mut CurvetriScene)>,
+    pub commit_scene: ::std::option::Option<
+        unsafe extern "C" fn(scene: *mut CurvetriScene),
+    >,
     pub get_scene_bounds: ::std::option::Option<
         unsafe extern "C" fn(scene: *mut CurvetriScene, bounds: *mut CurvetriBounds),
     >,
@@ -312,88 +397,131 @@ pub struct CurvetriEmbree {
 const _: () = {
     ["Size of CurvetriEmbree"][::std::mem::size_of::<CurvetriEmbree>() - 320usize];
     ["Alignment of CurvetriEmbree"][::std::mem::align_of::<CurvetriEmbree>() - 8usize];
-    ["Offset of field: CurvetriEmbree::table_version"]
-        [::std::mem::offset_of!(CurvetriEmbree, table_version) - 0usize];
-    ["Offset of field: CurvetriEmbree::table_size"]
-        [::std::mem::offset_of!(CurvetriEmbree, table_size) - 4usize];
-    ["Offset of field: CurvetriEmbree::headers_version"]
-        [::std::mem::offset_of!(CurvetriEmbree, headers_version) - 8usize];
-    ["Offset of field: CurvetriEmbree::instance_levels"]
-        [::std::mem::offset_of!(CurvetriEmbree, instance_levels) - 12usize];
-    ["Offset of field: CurvetriEmbree::inst_prim_id"]
-        [::std::mem::offset_of!(CurvetriEmbree, inst_prim_id) - 16usize];
-    ["Offset of field: CurvetriEmbree::rayhit_size"]
-        [::std::mem::offset_of!(CurvetriEmbree, rayhit_size) - 20usize];
-    ["Offset of field: CurvetriEmbree::context_inst_id"]
-        [::std::mem::offset_of!(CurvetriEmbree, context_inst_id) - 36usize];
-    ["Offset of field: CurvetriEmbree::query_filter_scene_flag"]
-        [::std::mem::offset_of!(CurvetriEmbree, query_filter_scene_flag) - 40usize];
-    ["Offset of field: CurvetriEmbree::new_device"]
-        [::std::mem::offset_of!(CurvetriEmbree, new_device) - 48usize];
-    ["Offset of field: CurvetriEmbree::release_device"]
-        [::std::mem::offset_of!(CurvetriEmbree, release_device) - 56usize];
-    ["Offset of field: CurvetriEmbree::get_device_property"]
-        [::std::mem::offset_of!(CurvetriEmbree, get_device_property) - 64usize];
-    ["Offset of field: CurvetriEmbree::get_device_error"]
-        [::std::mem::offset_of!(CurvetriEmbree, get_device_error) - 72usize];
-    ["Offset of field: CurvetriEmbree::set_device_error_function"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_device_error_function) - 80usize];
-    ["Offset of field: CurvetriEmbree::set_device_memory_monitor"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_device_memory_monitor) - 88usize];
-    ["Offset of field: CurvetriEmbree::new_geometry"]
-        [::std::mem::offset_of!(CurvetriEmbree, new_geometry) - 96usize];
-    ["Offset of field: CurvetriEmbree::release_geometry"]
-        [::std::mem::offset_of!(CurvetriEmbree, release_geometry) - 104usize];
-    ["Offset of field: CurvetriEmbree::commit_geometry"]
-        [::std::mem::offset_of!(CurvetriEmbree, commit_geometry) - 112usize];
-    ["Offset of field: CurvetriEmbree::set_geometry_user_data"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_geometry_user_data) - 120usize];
-    ["Offset of field: CurvetriEmbree::set_geometry_mask"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_geometry_mask) - 128usize];
-    ["Offset of field: CurvetriEmbree::set_geometry_build_quality"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_geometry_build_quality) - 136usize];
-    ["Offset of field: CurvetriEmbree::set_geometry_time_step_count"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_geometry_time_step_count) - 144usize];
-    ["Offset of field: CurvetriEmbree::set_geometry_tessellation_rate"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_geometry_tessellation_rate) - 152usize];
-    ["Offset of field: CurvetriEmbree::set_new_geometry_buffer"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_new_geometry_buffer) - 160usize];
-    ["Offset of field: CurvetriEmbree::set_geometry_intersect_filter"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_geometry_intersect_filter) - 168usize];
-    ["Offset of field: CurvetriEmbree::set_geometry_occluded_filter"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_geometry_occluded_filter) - 176usize];
-    ["Offset of field: CurvetriEmbree::set_geometry_primitive_count"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_geometry_primitive_count) - 184usize];
-    ["Offset of field: CurvetriEmbree::set_geometry_bounds_function"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_geometry_bounds_function) - 192usize];
-    ["Offset of field: CurvetriEmbree::set_geometry_intersect_function"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_geometry_intersect_function) - 200usize];
-    ["Offset of field: CurvetriEmbree::set_geometry_occluded_function"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_geometry_occluded_function) - 208usize];
-    ["Offset of field: CurvetriEmbree::set_geometry_instanced_scene"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_geometry_instanced_scene) - 216usize];
-    ["Offset of field: CurvetriEmbree::set_geometry_transform"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_geometry_transform) - 224usize];
-    ["Offset of field: CurvetriEmbree::new_scene"]
-        [::std::mem::offset_of!(CurvetriEmbree, new_scene) - 232usize];
-    ["Offset of field: CurvetriEmbree::release_scene"]
-        [::std::mem::offset_of!(CurvetriEmbree, release_scene) - 240usize];
-    ["Offset of field: CurvetriEmbree::set_scene_flags"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_scene_flags) - 248usize];
-    ["Offset of field: CurvetriEmbree::set_scene_build_quality"]
-        [::std::mem::offset_of!(CurvetriEmbree, set_scene_build_quality) - 256usize];
-    ["Offset of field: CurvetriEmbree::attach_geometry"]
-        [::std::mem::offset_of!(CurvetriEmbree, attach_geometry) - 264usize];
-    ["Offset of field: CurvetriEmbree::commit_scene"]
-        [::std::mem::offset_of!(CurvetriEmbree, commit_scene) - 272usize];
-    ["Offset of field: CurvetriEmbree::get_scene_bounds"]
-        [::std::mem::offset_of!(CurvetriEmbree, get_scene_bounds) - 280usize];
-    ["Offset of field: CurvetriEmbree::intersect"]
-        [::std::mem::offset_of!(CurvetriEmbree, intersect) - 288usize];
-    ["Offset of field: CurvetriEmbree::occluded"]
-        [::std::mem::offset_of!(CurvetriEmbree, occluded) - 296usize];
-    ["Offset of field: CurvetriEmbree::filter_intersect"]
-        [::std::mem::offset_of!(CurvetriEmbree, filter_intersect) - 304usize];
-    ["Offset of field: CurvetriEmbree::filter_occluded"]
-        [::std::mem::offset_of!(CurvetriEmbree, filter_occluded) - 312usize];
+    [
+        "Offset of field: CurvetriEmbree::table_version",
+    ][::std::mem::offset_of!(CurvetriEmbree, table_version) - 0usize];
+    [
+        "Offset of field: CurvetriEmbree::table_size",
+    ][::std::mem::offset_of!(CurvetriEmbree, table_size) - 4usize];
+    [
+        "Offset of field: CurvetriEmbree::headers_version",
+    ][::std::mem::offset_of!(CurvetriEmbree, headers_version) - 8usize];
+    [
+        "Offset of field: CurvetriEmbree::instance_levels",
+    ][::std::mem::offset_of!(CurvetriEmbree, instance_levels) - 12usize];
+    [
+        "Offset of field: CurvetriEmbree::inst_prim_id",
+    ][::std::mem::offset_of!(CurvetriEmbree, inst_prim_id) - 16usize];
+    [
+        "Offset of field: CurvetriEmbree::rayhit_size",
+    ][::std::mem::offset_of!(CurvetriEmbree, rayhit_size) - 20usize];
+    [
+        "Offset of field: CurvetriEmbree::context_inst_id",
+    ][::std::mem::offset_of!(CurvetriEmbree, context_inst_id) - 36usize];
+    [
+        "Offset of field: CurvetriEmbree::query_filter_scene_flag",
+    ][::std::mem::offset_of!(CurvetriEmbree, query_filter_scene_flag) - 40usize];
+    [
+        "Offset of field: CurvetriEmbree::new_device",
+    ][::std::mem::offset_of!(CurvetriEmbree, new_device) - 48usize];
+    [
+        "Offset of field: CurvetriEmbree::release_device",
+    ][::std::mem::offset_of!(CurvetriEmbree, release_device) - 56usize];
+    [
+        "Offset of field: CurvetriEmbree::get_device_property",
+    ][::std::mem::offset_of!(CurvetriEmbree, get_device_property) - 64usize];
+    [
+        "Offset of field: CurvetriEmbree::get_device_error",
+    ][::std::mem::offset_of!(CurvetriEmbree, get_device_error) - 72usize];
+    [
+        "Offset of field: CurvetriEmbree::set_device_error_function",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_device_error_function) - 80usize];
+    [
+        "Offset of field: CurvetriEmbree::set_device_memory_monitor",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_device_memory_monitor) - 88usize];
+    [
+        "Offset of field: CurvetriEmbree::new_geometry",
+    ][::std::mem::offset_of!(CurvetriEmbree, new_geometry) - 96usize];
+    [
+        "Offset of field: CurvetriEmbree::release_geometry",
+    ][::std::mem::offset_of!(CurvetriEmbree, release_geometry) - 104usize];
+    [
+        "Offset of field: CurvetriEmbree::commit_geometry",
+    ][::std::mem::offset_of!(CurvetriEmbree, commit_geometry) - 112usize];
+    [
+        "Offset of field: CurvetriEmbree::set_geometry_user_data",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_user_data) - 120usize];
+    [
+        "Offset of field: CurvetriEmbree::set_geometry_mask",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_mask) - 128usize];
+    [
+        "Offset of field: CurvetriEmbree::set_geometry_build_quality",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_build_quality) - 136usize];
+    [
+        "Offset of field: CurvetriEmbree::set_geometry_time_step_count",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_time_step_count) - 144usize];
+    [
+        "Offset of field: CurvetriEmbree::set_geometry_tessellation_rate",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_tessellation_rate) - 152usize];
+    [
+        "Offset of field: CurvetriEmbree::set_new_geometry_buffer",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_new_geometry_buffer) - 160usize];
+    [
+        "Offset of field: CurvetriEmbree::set_geometry_intersect_filter",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_intersect_filter) - 168usize];
+    [
+        "Offset of field: CurvetriEmbree::set_geometry_occluded_filter",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_occluded_filter) - 176usize];
+    [
+        "Offset of field: CurvetriEmbree::set_geometry_primitive_count",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_primitive_count) - 184usize];
+    [
+        "Offset of field: CurvetriEmbree::set_geometry_bounds_function",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_bounds_function) - 192usize];
+    [
+        "Offset of field: CurvetriEmbree::set_geometry_intersect_function",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_intersect_function)
+        - 200usize];
+    [
+        "Offset of field: CurvetriEmbree::set_geometry_occluded_function",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_occluded_function) - 208usize];
+    [
+        "Offset of field: CurvetriEmbree::set_geometry_instanced_scene",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_instanced_scene) - 216usize];
+    [
+        "Offset of field: CurvetriEmbree::set_geometry_transform",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_geometry_transform) - 224usize];
+    [
+        "Offset of field: CurvetriEmbree::new_scene",
+    ][::std::mem::offset_of!(CurvetriEmbree, new_scene) - 232usize];
+    [
+        "Offset of field: CurvetriEmbree::release_scene",
+    ][::std::mem::offset_of!(CurvetriEmbree, release_scene) - 240usize];
+    [
+        "Offset of field: CurvetriEmbree::set_scene_flags",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_scene_flags) - 248usize];
+    [
+        "Offset of field: CurvetriEmbree::set_scene_build_quality",
+    ][::std::mem::offset_of!(CurvetriEmbree, set_scene_build_quality) - 256usize];
+    [
+        "Offset of field: CurvetriEmbree::attach_geometry",
+    ][::std::mem::offset_of!(CurvetriEmbree, attach_geometry) - 264usize];
+    [
+        "Offset of field: CurvetriEmbree::commit_scene",
+    ][::std::mem::offset_of!(CurvetriEmbree, commit_scene) - 272usize];
+    [
+        "Offset of field: CurvetriEmbree::get_scene_bounds",
+    ][::std::mem::offset_of!(CurvetriEmbree, get_scene_bounds) - 280usize];
+    [
+        "Offset of field: CurvetriEmbree::intersect",
+    ][::std::mem::offset_of!(CurvetriEmbree, intersect) - 288usize];
+    [
+        "Offset of field: CurvetriEmbree::occluded",
+    ][::std::mem::offset_of!(CurvetriEmbree, occluded) - 296usize];
+    [
+        "Offset of field: CurvetriEmbree::filter_intersect",
+    ][::std::mem::offset_of!(CurvetriEmbree, filter_intersect) - 304usize];
+    [
+        "Offset of field: CurvetriEmbree::filter_occluded",
+    ][::std::mem::offset_of!(CurvetriEmbree, filter_occluded) - 312usize];
 };
