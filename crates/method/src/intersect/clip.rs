@@ -42,10 +42,10 @@ impl<S: Scalar> ClipVolume<S> {
             if let Some([reach, later]) = grazing {
                 value = value + reach * (rate.abs() * later + plane.distance_tolerance);
             }
-            let cut = Cut::new(value, rate);
-            lo = cut.entry.greater(lo);
-            hi = cut.exit.lesser(hi);
-            alive = alive & cut.passes;
+            let crossing = Crossing::new(value, rate);
+            lo = crossing.entry(lo).greater(lo);
+            hi = crossing.exit(hi).lesser(hi);
+            alive = alive & crossing.passes;
         }
         if let Some(sphere) = &self.sphere {
             let (enters, leaves, meets) = sphere.chord(from, along, distance);
@@ -89,29 +89,43 @@ impl<V: Real> HalfSpace<V> {
     }
 }
 
-/// The part of a ray that lies in a half-space.
-pub(crate) struct Cut<V: Real> {
-    /// Where the ray enters, in its parameter; minus infinity if it does not.
-    pub entry: V,
-    /// Where it leaves; infinity if it does not.
-    pub exit: V,
-    /// Whether there is such a part.
+/// Where a ray crosses the plane that bounds a half-space, and which part of it lies inside.
+pub(crate) struct Crossing<V: Real> {
+    /// The ray's parameter there.
+    at: V,
+    /// Whether the ray enters there.
+    enters: V::Mask,
+    /// Whether it leaves there.
+    leaves: V::Mask,
+    /// Whether some part of it lies inside.
     pub passes: V::Mask,
 }
 
-impl<V: Real> Cut<V> {
+impl<V: Real> Crossing<V> {
     /// Of a ray that starts with this [value](HalfSpace::value), which changes at this rate.
     #[inline(always)]
     pub fn new(value: V, rate: V) -> Self {
         let zero = value.zero();
-        let endless = value.constant(f64::INFINITY);
-        let crossing = -(value / rate);
+        let at = -(value / rate);
         let (enters, leaves) = (zero.less(rate), rate.less(zero));
         Self {
-            entry: V::select(enters, crossing, -endless),
-            exit: V::select(leaves, crossing, endless),
+            at,
+            enters,
+            leaves,
             passes: enters | leaves | zero.at_most(value),
         }
+    }
+
+    /// Where the ray enters; a value that bounds nothing where it does not.
+    #[inline(always)]
+    pub fn entry(&self, otherwise: V) -> V {
+        V::select(self.enters, self.at, otherwise)
+    }
+
+    /// Where the ray leaves; a value that bounds nothing where it does not.
+    #[inline(always)]
+    pub fn exit(&self, otherwise: V) -> V {
+        V::select(self.leaves, self.at, otherwise)
     }
 }
 

@@ -3,7 +3,7 @@
 
 use fearless_simd::{f32x4, prelude::*, u8x16};
 
-use super::clip::{Cut, RayInterval};
+use super::clip::{Crossing, RayInterval};
 use super::ray::{Ray, localized};
 use crate::numbers::{Constant, Mask, Quad, Real, Vector, inlined, vector};
 use crate::patch::{BoundsKind, Choice, HalfSpace, TriangleFrame, TriangleVertices};
@@ -112,23 +112,21 @@ impl<S: Simd> EdgesInLanes<S> {
         let lanes = planes.offset;
         let value = planes.value(Vector::splat(lanes, from), lanes.splat(distance));
         let rate = planes.normal.dot(Vector::splat(lanes, along));
-        let below = Cut::new(value, rate);
-        let (entries, exits) = (numbers(below.entry), numbers(below.exit));
+        let four = Crossing::new(value, rate);
+        let endless = lanes.constant(f64::INFINITY);
+        let (entries, exits) = (numbers(four.entry(-endless)), numbers(four.exit(endless)));
         // The plane above has the normal of the one below, turned round.
-        let above = HalfSpace {
-            normal: -self.up(),
-            offset: self.above,
-            distance_tolerance: numbers(planes.distance_tolerance)[LAST],
-        };
-        let above = Cut::new(above.value(from, distance), -numbers(rate)[LAST]);
+        let tolerance = numbers(planes.distance_tolerance)[LAST];
+        let value = tolerance.mul_add(distance, self.above) - self.up().dot(from);
+        let above = Crossing::new(value, -numbers(rate)[LAST]);
         let (mut lo, mut hi) = (ray.tnear, f32::INFINITY);
         for n in 0..4 {
             lo = entries[n].greater(lo);
             hi = exits[n].lesser(hi);
         }
-        lo = above.entry.greater(lo);
-        hi = above.exit.lesser(hi);
-        RayInterval::between(lo, hi, below.passes.all() & above.passes, ray.tfar)
+        lo = above.entry(lo).greater(lo);
+        hi = above.exit(hi).lesser(hi);
+        RayInterval::between(lo, hi, four.passes.all() & above.passes, ray.tfar)
     }
 
     #[inline(always)]
