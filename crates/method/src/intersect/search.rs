@@ -321,6 +321,8 @@ impl<S: Constant> Patch<S> {
     /// `b2` and `b3`, moved onto the nearest edge where rounding of a ray from afar put them
     /// further out than neighbours overlap; and how far that is, in units of the patch's size. In the
     /// lanes that matter.
+    // The last of three steps leaves the furthest distance unread.
+    #[allow(unused_assignments)]
     #[inline(always)]
     fn moved_inside<V: Real<Scalar = S>>(&self, b: [V; 3], mask: V::Mask) -> ([V; 2], V) {
         let lanes = b[0];
@@ -336,7 +338,7 @@ impl<S: Constant> Patch<S> {
             return ([b[1], b[2]], zero);
         }
         let (mut u, mut v, mut furthest) = (b[1], b[2], zero);
-        for k in 0..3 {
+        each!(|k| {
             let (edge, j, m) = (&self.edges[k], next(k), next(next(k)));
             let distance = b[m] * lanes.splat(edge.height);
             let further = outside & distance.less(furthest);
@@ -350,7 +352,7 @@ impl<S: Constant> Patch<S> {
             u = V::select(further, on_edge[1], u);
             v = V::select(further, on_edge[2], v);
             furthest = V::select(further, distance, furthest);
-        }
+        });
         let [to_second, to_third] = Vector::splat_both(lanes, self.spokes);
         let moved = (to_second * (b[1] - u) + to_third * (b[2] - v)).length();
         ([u, v], moved)
