@@ -89,7 +89,8 @@ pub struct AllAnswers {
 ///     progress: &|_| (),
 /// };
 /// let nearest: Answers = answer_rays(&scene, &rays, PacketWidth::Sixteen);
-/// assert_eq!((nearest.t[0], nearest.prim_id), (2.0, vec![0, NO_PRIMITIVE]));
+/// assert!((nearest.t[0] - 2.0).abs() < 1e-5);
+/// assert_eq!(nearest.prim_id, [0, NO_PRIMITIVE]);
 /// let all: AllAnswers = answer_all_hits(&scene, &rays, PacketWidth::One, 3);
 /// assert_eq!((all.count, all.hits.t.len()), (vec![1, 0], 6));
 /// assert_eq!(answer_occluded(&scene, &rays, PacketWidth::Four), [true, false]);
