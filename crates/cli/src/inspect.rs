@@ -74,16 +74,16 @@ pub fn run(args: &InspectArgs, console: &Console) -> Result<()> {
 
 /// A name and a value a line.
 #[derive(Default)]
-struct Lines(String);
+struct TextLines(String);
 
-impl Lines {
+impl TextLines {
     fn add(&mut self, name: &str, value: impl AsRef<str>) {
         let _ = writeln!(self.0, "{name:10} {}", value.as_ref());
     }
 }
 
 fn as_text(inspection: &Inspection, legend: bool) -> String {
-    let mut lines = Lines::default();
+    let mut lines = TextLines::default();
     add_mesh(&mut lines, inspection);
     add_method(&mut lines, inspection, legend);
     let advice = inspection.advice();
@@ -97,7 +97,7 @@ fn as_text(inspection: &Inspection, legend: bool) -> String {
 }
 
 /// What is in the mesh.
-fn add_mesh(lines: &mut Lines, inspection: &Inspection) {
+fn add_mesh(lines: &mut TextLines, inspection: &Inspection) {
     let Inspection {
         report,
         topology,
@@ -137,7 +137,7 @@ fn add_mesh(lines: &mut Lines, inspection: &Inspection) {
 }
 
 /// What the method does with it.
-fn add_method(lines: &mut Lines, inspection: &Inspection, legend: bool) {
+fn add_method(lines: &mut TextLines, inspection: &Inspection, legend: bool) {
     lines.add("kinds", counts(&kinds(inspection)));
     if legend {
         let colours = paint::legend().map(|(kind, colour)| format!("{colour}: {kind}"));

@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, HashMap};
 
 use crate::modules::{Module, Sources};
-use crate::paths::{Path, PathKind};
+use crate::paths::{NamedPath, PathKind};
 
 /// Re-exports are followed no further than this: by then they run in a circle of their own.
 const MOST_STEPS: usize = 32;
@@ -64,7 +64,7 @@ impl Sources {
     }
 
     /// The files that a path leads to: one, or all that a glob re-exports.
-    fn targets(&self, number: usize, module: &Module, path: &Path) -> BTreeSet<usize> {
+    fn targets(&self, number: usize, module: &Module, path: &NamedPath) -> BTreeSet<usize> {
         match (path.kind, &path.segments[..]) {
             (PathKind::Macro, [name]) if module.uses.iter().all(|used| used.name != *name) => {
                 self.macros.get(name).copied().into_iter().collect()
@@ -194,7 +194,7 @@ impl Sources {
     /// Whether a module has something of this name, its own or re-exported.
     fn has(&self, number: usize, name: &str, steps: usize) -> bool {
         let module = &self.modules[number];
-        let by_glob = |used: &&Path| {
+        let by_glob = |used: &&NamedPath| {
             used.kind == PathKind::Glob
                 && self
                     .module_at(number, &used.segments)

@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-use crate::paths::{Path, end_of_item, is_punct, is_test_attribute, is_visibility, paths};
+use crate::paths::{NamedPath, end_of_item, is_punct, is_test_attribute, is_visibility, paths};
 
 /// All modules of a crate.
 pub struct Sources {
@@ -28,9 +28,9 @@ pub(crate) struct Module {
     pub children: HashMap<String, usize>,
     pub definitions: HashSet<String>,
     /// The paths of `use`.
-    pub uses: Vec<Path>,
+    pub uses: Vec<NamedPath>,
     /// All other paths.
-    pub paths: Vec<Path>,
+    pub paths: Vec<NamedPath>,
     /// The methods of types: the path of a type, and a method's name.
     pub methods: Vec<(Vec<String>, String)>,
 }

@@ -4,7 +4,7 @@ use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 
 /// A path that the code names, as `crate::a::B`.
 #[derive(Clone, Debug)]
-pub struct Path {
+pub struct NamedPath {
     /// Its parts; a first part that is empty stands for a leading `::`.
     pub segments: Vec<String>,
     /// The name it gets in the module, by `use` alone: its last part, or what follows `as`.
@@ -30,13 +30,13 @@ pub enum PathKind {
 }
 
 /// All paths in tokens, also within groups of any kind. Items for tests alone are left out.
-pub fn paths(tokens: TokenStream) -> Vec<Path> {
+pub fn paths(tokens: TokenStream) -> Vec<NamedPath> {
     let mut found = Vec::new();
     add_paths(&tokens.into_iter().collect::<Vec<_>>(), &mut found);
     found
 }
 
-fn add_paths(tokens: &[TokenTree], found: &mut Vec<Path>) {
+fn add_paths(tokens: &[TokenTree], found: &mut Vec<NamedPath>) {
     let mut at = 0;
     while at < tokens.len() {
         if is_test_attribute(&tokens[at..]) {
@@ -57,7 +57,7 @@ fn add_paths(tokens: &[TokenTree], found: &mut Vec<Path>) {
                 at = add_path(tokens, at, Vec::new(), found);
                 continue;
             }
-            TokenTree::Ident(method) if is_method_call(tokens, at) => found.push(Path {
+            TokenTree::Ident(method) if is_method_call(tokens, at) => found.push(NamedPath {
                 segments: vec![method.to_string()],
                 name: String::new(),
                 kind: PathKind::Method,
@@ -94,7 +94,7 @@ fn add_path(
     tokens: &[TokenTree],
     mut at: usize,
     mut segments: Vec<String>,
-    found: &mut Vec<Path>,
+    found: &mut Vec<NamedPath>,
 ) -> usize {
     loop {
         match tokens.get(at) {
@@ -127,7 +127,7 @@ fn add_path(
                 return at + 1;
             }
             Some(TokenTree::Punct(punct)) if punct.as_char() == '*' => {
-                found.push(Path {
+                found.push(NamedPath {
                     segments,
                     name: String::new(),
                     kind: PathKind::Glob,
@@ -142,12 +142,17 @@ fn add_path(
 }
 
 /// A path with the name that it gets; `a::self` is `a`.
-fn named(mut segments: Vec<String>, alias: Option<String>, kind: PathKind, line: usize) -> Path {
+fn named(
+    mut segments: Vec<String>,
+    alias: Option<String>,
+    kind: PathKind,
+    line: usize,
+) -> NamedPath {
     if segments.len() > 1 && segments.last().is_some_and(|last| last == "self") {
         segments.pop();
     }
     let last = segments.last().cloned();
-    Path {
+    NamedPath {
         name: alias.or(last).unwrap_or_default(),
         segments,
         kind,

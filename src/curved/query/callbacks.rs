@@ -2,7 +2,7 @@
 
 use super::cluster_query::trace_cluster;
 use super::counters::count_callback;
-use super::kernel_rays::Query;
+use super::kernel_rays::AnyQuery;
 use super::triangle_query::trace_triangle;
 use crate::curved::curved_mesh::CurvedMesh;
 use crate::embree::{Bounds, IntersectQuery, OccludedQuery, UserGeometry};
@@ -34,7 +34,7 @@ impl UserGeometry for CurvedMesh {
 }
 
 /// Offers the roots of a query's rays on its primitive.
-fn trace<'a>(curved: &CurvedMesh, query: &mut impl Query<'a>) {
+fn trace<'a>(curved: &CurvedMesh, query: &mut impl AnyQuery<'a>) {
     count_callback();
     let prim = query.prim_id();
     match &curved.clusters {

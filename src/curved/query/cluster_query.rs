@@ -2,7 +2,7 @@
 
 use super::block_cache::BlockCache;
 use super::counters::count;
-use super::kernel_rays::{Query, kernel_ray, ray_lanes};
+use super::kernel_rays::{AnyQuery, kernel_ray, ray_lanes};
 use super::triangle_query::{MIN_PACKET, offer_roots, offer_roots_beyond, trace_triangle};
 use crate::curved::bits::set_bits;
 use crate::curved::cluster::{Cluster, PacketEntries, RayEntries, SIZE, lanes_in_boxes};
@@ -13,7 +13,7 @@ use curvetri_method::{PatchBlock, Solver};
 /// Offers the roots of a query's rays on the triangles of a cluster, of which `number` is the number.
 pub(super) fn trace_cluster<'a>(
     curved: &CurvedMesh,
-    query: &mut impl Query<'a>,
+    query: &mut impl AnyQuery<'a>,
     cluster: &Cluster,
     number: u32,
 ) {
@@ -38,7 +38,12 @@ pub(super) fn trace_cluster<'a>(
 }
 
 /// Offers the roots of one ray on the triangles of a cluster.
-fn trace_ray<'a>(curved: &CurvedMesh, query: &mut impl Query<'a>, cluster: &Cluster, lane: usize) {
+fn trace_ray<'a>(
+    curved: &CurvedMesh,
+    query: &mut impl AnyQuery<'a>,
+    cluster: &Cluster,
+    lane: usize,
+) {
     let mut entries = RayEntries::new(cluster, &query.ray(lane));
     // All are read before anything is done with one: the processor waits for all of them at once then.
     let mut patches = [None; SIZE];
@@ -59,7 +64,7 @@ fn trace_ray<'a>(curved: &CurvedMesh, query: &mut impl Query<'a>, cluster: &Clus
 /// boxes rays hit, one bit each.
 fn trace_block<'a>(
     curved: &CurvedMesh,
-    query: &mut impl Query<'a>,
+    query: &mut impl AnyQuery<'a>,
     cluster: &Cluster,
     number: u32,
 ) -> u32 {

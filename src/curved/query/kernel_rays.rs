@@ -6,7 +6,7 @@ use crate::embree::{self, IntersectQuery, OccludedQuery, QueryRays, SurfaceHit};
 use curvetri_method::{Ray, RayLanes};
 
 /// A query of either kind: what is traced for the nearest hit and for occlusion differs in nothing else.
-pub(super) trait Query<'a>: DerefMut<Target = QueryRays<'a>> {
+pub(super) trait AnyQuery<'a>: DerefMut<Target = QueryRays<'a>> {
     /// Whether the normals of reported hits are looked at. Where they are not, zeros will do.
     fn needs_normals(&self) -> bool;
 
@@ -15,7 +15,7 @@ pub(super) trait Query<'a>: DerefMut<Target = QueryRays<'a>> {
     fn report(&mut self, lane: usize, hit: SurfaceHit) -> bool;
 }
 
-impl<'a> Query<'a> for IntersectQuery<'a> {
+impl<'a> AnyQuery<'a> for IntersectQuery<'a> {
     #[inline(always)]
     fn needs_normals(&self) -> bool {
         true
@@ -27,7 +27,7 @@ impl<'a> Query<'a> for IntersectQuery<'a> {
     }
 }
 
-impl<'a> Query<'a> for OccludedQuery<'a> {
+impl<'a> AnyQuery<'a> for OccludedQuery<'a> {
     #[inline(always)]
     fn needs_normals(&self) -> bool {
         self.has_filters()

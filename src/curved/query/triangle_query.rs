@@ -1,7 +1,7 @@
 //! A query's rays against one triangle.
 
 use super::counters::count;
-use super::kernel_rays::{Query, kernel_ray, ray_lanes};
+use super::kernel_rays::{AnyQuery, kernel_ray, ray_lanes};
 use crate::curved::bits::set_bits;
 use crate::curved::curved_mesh::CurvedMesh;
 use crate::embree::SurfaceHit;
@@ -13,7 +13,7 @@ pub(super) const MIN_PACKET: u32 = 3;
 /// Offers the roots of the rays in the lanes of `valid`.
 pub(super) fn trace_triangle<'a>(
     curved: &CurvedMesh,
-    query: &mut impl Query<'a>,
+    query: &mut impl AnyQuery<'a>,
     triangle: u32,
     valid: u32,
 ) {
@@ -39,7 +39,7 @@ pub(super) fn trace_triangle<'a>(
 /// Offers the roots of a lane's ray beyond one that was rejected.
 pub(super) fn offer_roots_beyond<'a>(
     curved: &CurvedMesh,
-    query: &mut impl Query<'a>,
+    query: &mut impl AnyQuery<'a>,
     lane: usize,
     patch: &PackedTriangle<'_>,
     t: f32,
@@ -55,7 +55,7 @@ pub(super) fn offer_roots_beyond<'a>(
 /// Offers the roots of a lane's ray on a patch, nearest first, until one is accepted.
 pub(super) fn offer_roots<'a>(
     curved: &CurvedMesh,
-    query: &mut impl Query<'a>,
+    query: &mut impl AnyQuery<'a>,
     lane: usize,
     patch: &PackedTriangle<'_>,
     mut ray: Ray<f32>,

@@ -58,18 +58,17 @@ pub enum Advice {
     SkippedElements(u64),
 }
 
+/// A count, and what it means where it is not 0.
+type Counted = (u64, fn(u64) -> Advice);
+
 impl Inspection {
     /// What is worth knowing, the worst first; nothing if all is well.
     #[must_use]
     pub fn advice(&self) -> Vec<Advice> {
-        let counted = (self.on_edges().into_iter())
-            .chain(self.on_normals())
-            .filter(|(count, _)| *count > 0)
-            .map(|(count, advice)| advice(count));
-        let flat = self.on_flat_triangles().into_iter();
-        let flat = flat
-            .filter(|(count, _)| *count > 0)
-            .map(|(count, advice)| advice(count as u64));
+        let advice = |(count, advice): Counted| (count > 0).then(|| advice(count));
+        let counted = (self.on_edges().into_iter()).chain(self.on_normals());
+        let counted = counted.filter_map(advice);
+        let flat = self.on_flat_triangles().into_iter().filter_map(advice);
         let skipped = self.report.skipped_elements;
         (counted.chain(self.on_computed_normals()))
             .chain(flat)
@@ -78,7 +77,7 @@ impl Inspection {
             .collect()
     }
 
-    fn on_edges(&self) -> [(u64, fn(u64) -> Advice); 7] {
+    fn on_edges(&self) -> [Counted; 7] {
         let edges = &self.topology;
         [
             (edges.flipped, Advice::FlippedEdges),
@@ -91,7 +90,7 @@ impl Inspection {
         ]
     }
 
-    fn on_normals(&self) -> [(u64, fn(u64) -> Advice); 4] {
+    fn on_normals(&self) -> [Counted; 4] {
         let normals = &self.report.normals;
         let corners = 3 * self.triangles;
         let against: fn(u64) -> Advice = if 2 * normals.against_face > corners {
@@ -114,13 +113,13 @@ impl Inspection {
         })
     }
 
-    fn on_flat_triangles(&self) -> [(usize, fn(u64) -> Advice); 4] {
+    fn on_flat_triangles(&self) -> [Counted; 4] {
         let kinds = &self.kinds;
         [
-            (kinds.flat_back_normal, Advice::FlatByBackNormal),
-            (kinds.flat_bend, Advice::FlatByBend),
-            (kinds.flat_fold, Advice::FlatByFold),
-            (kinds.flat_sliver, Advice::FlatSlivers),
+            (kinds.flat_back_normal as u64, Advice::FlatByBackNormal),
+            (kinds.flat_bend as u64, Advice::FlatByBend),
+            (kinds.flat_fold as u64, Advice::FlatByFold),
+            (kinds.flat_sliver as u64, Advice::FlatSlivers),
         ]
     }
 

@@ -15,7 +15,7 @@ use crate::render::stats::RayCounts;
 /// Follows light back from the camera over at most so many surfaces. Diffuse surfaces send rays to the
 /// sun, the lamp and lights at points; rays that hit nothing find the sky. Light of the sun and of points
 /// through glass is not found: no ray hits by chance what has no size.
-pub(super) struct Path<'a> {
+pub(super) struct PathTracer<'a> {
     pub world: World<'a>,
     /// How many surfaces a path has at most, 1 or more.
     pub depth: u32,
@@ -42,7 +42,7 @@ struct Next {
     sees_lamp: bool,
 }
 
-impl Estimator for Path<'_> {
+impl Estimator for PathTracer<'_> {
     fn trace(
         &self,
         packet: &mut RayPacket<LANES>,
@@ -78,7 +78,7 @@ fn surface_numbers(samples: &Lanes<Sample>, surface: u32) -> Lanes<[f32; 4]> {
     samples.map(|sample| sample.numbers(2 * surface))
 }
 
-impl Path<'_> {
+impl PathTracer<'_> {
     /// Adds the light that sun, lamp and lights at points throw on the surfaces that the paths are at.
     fn light(
         &self,

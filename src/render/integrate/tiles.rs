@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::ambient_occlusion::AmbientOcclusion;
 use super::direct::Direct;
 use super::estimator::{Estimator, LANES};
-use super::path::Path;
+use super::path::PathTracer;
 use super::sampler::{PixelSampler, Sample};
 use super::world::World;
 use crate::curved::{Counters, counters};
@@ -88,7 +88,7 @@ fn estimator<'a>(scene: &'a Scene, picture: &'a Picture) -> Box<dyn Estimator + 
         Integrator::AmbientOcclusion { distance } => Box::new(AmbientOcclusion { world, distance }),
         Integrator::Path { depth } => {
             assert!(depth > 0, "a path of no surfaces");
-            Box::new(Path { world, depth })
+            Box::new(PathTracer { world, depth })
         }
     }
 }

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::figures::Figures;
 use super::pictures::{Pictures, Shown};
-use super::table::{self, Table};
+use super::table::{self, ComparisonTable};
 
 /// The name says that what is put into it is escaped for HTML.
 const NAME: &str = "report.html";
@@ -26,7 +26,7 @@ struct Page<'a> {
     script: &'static str,
     figures: &'a Figures,
     pictures: Vec<ReportPicture<'a>>,
-    tables: Vec<Table>,
+    tables: Vec<ComparisonTable>,
     version: &'static str,
 }
 

@@ -9,7 +9,7 @@ use super::figures::{Figures, FormFigures, TimeFigures};
 
 /// Rows under a title, with a column a form.
 #[derive(Serialize)]
-pub struct Table {
+pub struct ComparisonTable {
     pub title: String,
     /// What its figures mean.
     pub note: String,
@@ -76,11 +76,11 @@ pub fn text(figures: &Figures) -> String {
 }
 
 /// All tables.
-pub fn tables(figures: &Figures) -> Vec<Table> {
+pub fn tables(figures: &Figures) -> Vec<ComparisonTable> {
     vec![cost(figures), errors(figures), shadows(figures)]
 }
 
-fn cost(figures: &Figures) -> Table {
+fn cost(figures: &Figures) -> ComparisonTable {
     let rows = Rows(figures);
     let mut all = vec![
         rows.row("triangles", "", |form| form.count("total").to_string()),
@@ -120,7 +120,7 @@ fn cost(figures: &Figures) -> Table {
             number(form.over_flat.bytes)
         }),
     ]);
-    Table {
+    ComparisonTable {
         title: "Cost".into(),
         note: match figures.picture.runs {
             1 => "One run; times vary with what else the machine does (--repeat).".into(),
@@ -130,7 +130,7 @@ fn cost(figures: &Figures) -> Table {
     }
 }
 
-fn errors(figures: &Figures) -> Table {
+fn errors(figures: &Figures) -> ComparisonTable {
     let rows = Rows(figures);
     let mean = |spread: Option<Summary>| spread.map(|s| s.mean);
     let p95 = |spread: Option<Summary>| spread.map(|s| s.p95);
@@ -150,7 +150,7 @@ fn errors(figures: &Figures) -> Table {
             "How far each is from flat triangles; which is right, a reference tells.",
         ),
     };
-    Table {
+    ComparisonTable {
         title: title.into(),
         note: note.into(),
         rows: vec![
@@ -173,7 +173,7 @@ fn errors(figures: &Figures) -> Table {
     }
 }
 
-fn shadows(figures: &Figures) -> Table {
+fn shadows(figures: &Figures) -> ComparisonTable {
     let rows = Rows(figures);
     let truth = figures.shadows_against;
     let cell = |form: &FormFigures, text: String| {
@@ -183,7 +183,7 @@ fn shadows(figures: &Figures) -> Table {
             text
         }
     };
-    Table {
+    ComparisonTable {
         title: "Shadow terminator".into(),
         note: format!("Pixels that are dark although the sun shines there on the {truth} surface."),
         rows: vec![
