@@ -2,9 +2,8 @@
 
 use std::sync::Arc;
 
+use curvetri_bodies::SplitMix;
 use glam::Vec3;
-use rand::rngs::StdRng;
-use rand::{Rng, SeedableRng};
 
 use curvetri_embree::*;
 pub use curvetri_embree_linked as linked;
@@ -84,21 +83,21 @@ impl UserGeometry for Spheres {
 
 /// Many small spheres in the unit cube.
 pub fn many(count: usize, seed: u64) -> Arc<Spheres> {
-    let mut random = StdRng::seed_from_u64(seed);
+    let mut random = SplitMix::new(seed);
     let spheres = (0..count).map(|_| {
-        let center = Vec3::from_array(random.random());
-        (center, random.random_range(0.01..0.1))
+        let center = 0.5 + 0.5 * random.in_cube();
+        (center, random.between(0.01, 0.1) as f32)
     });
     Arc::new(Spheres(spheres.collect()))
 }
 
 /// Rays of any length that start in or around the unit cube.
 pub fn random_rays(count: usize, seed: u64) -> Vec<Ray> {
-    let mut random = StdRng::seed_from_u64(seed);
+    let mut random = SplitMix::new(seed);
     let rays = (0..count).map(|_| {
-        let origin = Vec3::from_array(random.random()) * 3.0 - 1.0;
-        let target = Vec3::from_array(random.random());
-        Ray::new(origin, (target - origin) * random.random_range(0.1..10.0))
+        let origin = 0.5 + 1.5 * random.in_cube();
+        let target = 0.5 + 0.5 * random.in_cube();
+        Ray::new(origin, (target - origin) * random.between(0.1, 10.0) as f32)
     });
     rays.collect()
 }
