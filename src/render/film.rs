@@ -10,6 +10,17 @@ use super::picture::Window;
 
 /// A picture in linear light: per pixel its radiance multiplied by its coverage, and the coverage,
 /// the share of the pixel where something was seen.
+///
+/// ```
+/// use curvetri::render::{Background, Film};
+///
+/// let film = Film::new(4, 3);
+/// assert_eq!((film.width(), film.height(), film.pixels().len()), (4, 3, 12));
+/// let mut png = Vec::new();
+/// film.write_png(&mut png, Background::Transparent, 0.0)?;
+/// assert_eq!(&png[1..4], b"PNG");
+/// # Ok::<(), std::io::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     window: Window,

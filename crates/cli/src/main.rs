@@ -14,6 +14,8 @@ mod paint;
 #[cfg(test)]
 mod reference;
 mod render;
+#[cfg(unix)]
+mod signals;
 mod stats;
 mod surface;
 mod tessellate;
@@ -101,6 +103,8 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> Result<()> {
+    #[cfg(unix)]
+    signals::handle().context("cannot handle signals")?;
     let console = Console::new(cli.quiet, cli.verbose);
     match &cli.command {
         _ if cli.version => print_version(),

@@ -11,6 +11,8 @@ mod errors;
 mod exr;
 mod inspect;
 mod instances;
+#[cfg(unix)]
+mod outputs;
 mod program;
 mod render;
 mod tessellate;

@@ -58,6 +58,30 @@ impl PackedTriangle<'_> {
     ///
     /// # Panics
     /// If the slices differ in length, or there are more than 16 rays.
+    ///
+    /// ```
+    /// use curvetri_method::{
+    ///     BuiltPatch, HitLanes, PackedPatch, PackedTriangle, PatchFlags, RayLanes, Solver,
+    ///     TriangleVertices, vector,
+    /// };
+    ///
+    /// let c = 1.0 / 3f32.sqrt();
+    /// let positions = [vector(c, c, c), vector(c, -c, -c), vector(-c, c, -c)];
+    /// let vertices = TriangleVertices { positions, normals: positions };
+    /// let packed: PackedPatch = BuiltPatch::new(&vertices, PatchFlags::default()).packed;
+    /// let triangle = PackedTriangle::new(vertices, &packed);
+    ///
+    /// // Two rays; the second runs the other way.
+    /// let rays = RayLanes {
+    ///     origin: [&[5.0 * c; 2], &[5.0 * c; 2], &[-5.0 * c; 2]],
+    ///     direction: [&[-c, c], &[-c, c], &[c, -c]],
+    ///     tnear: &[0.0; 2],
+    ///     tfar: &[f32::INFINITY; 2],
+    /// };
+    /// let hits: HitLanes = triangle.intersect_packet(&rays, 0b11, Solver::default(), false);
+    /// assert_eq!(hits.found, 0b01);
+    /// assert!((hits.t[0] - 4.0).abs() < 1e-5);
+    /// ```
     pub fn intersect_packet(
         &self,
         rays: &RayLanes<'_>,

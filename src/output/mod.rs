@@ -1,15 +1,24 @@
 //! Files that appear whole or not at all.
 
-use std::fs::{self, File};
+mod destination;
+mod part;
+
+use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
 use thiserror::Error;
 
+use destination::Destination;
+use part::Part;
+pub use part::remove_unfinished;
+
 /// A file in the making: written beside its place and renamed when it is complete, so that whoever
-/// looks finds the old file or the new one. Dropped before that, it leaves nothing behind.
+/// looks finds the old file or the new one. Dropped before that, it leaves nothing behind. A program that
+/// handles signals calls [`remove_unfinished`] before it ends; what one that was killed has left is removed
+/// when the same output is written again.
 ///
+/// Links are followed, also to a file that is not there yet. The new file has the old one's permissions.
 /// What is not a regular file (a pipe, a device) is written directly.
 ///
 /// ```
@@ -37,8 +46,8 @@ pub struct OutputError {
 }
 
 enum Sink {
-    /// Beside the place it is renamed to.
-    Beside(NamedTempFile, PathBuf),
+    /// Beside its place until it is complete.
+    Beside(Part),
     Direct(File),
 }
 
@@ -87,45 +96,24 @@ impl<T: Write + Seek> WriteSeek for T {}
 
 impl Sink {
     fn open(path: &Path) -> io::Result<Self> {
-        let place = match fs::metadata(path) {
-            Ok(old) if old.is_file() => fs::canonicalize(path)?,
-            Ok(old) if old.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
-            Ok(_) => return Ok(Self::Direct(File::options().write(true).open(path)?)),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => path.to_path_buf(),
-            Err(error) => return Err(error),
-        };
-        let directory = match place.parent() {
-            Some(directory) if directory.as_os_str().is_empty() => Path::new("."),
-            Some(directory) => directory,
-            None => return Err(io::ErrorKind::IsADirectory.into()),
-        };
-        // Opened like any new file, so that it gets the permissions of one.
-        let file = tempfile::Builder::new()
-            .prefix(".")
-            .suffix(".part")
-            .make_in(directory, |path| {
-                File::options()
-                    .read(true)
-                    .write(true)
-                    .create_new(true)
-                    .open(path)
-            })?;
-        Ok(Self::Beside(file, place))
+        match Destination::find(path)? {
+            Destination::File { place, old } => {
+                Ok(Self::Beside(Part::create(place, old.as_ref())?))
+            }
+            Destination::Special => Ok(Self::Direct(File::options().write(true).open(path)?)),
+        }
     }
 
     fn close(self) -> io::Result<()> {
         match self {
-            Self::Beside(file, place) => {
-                file.persist(place)?;
-                Ok(())
-            }
+            Self::Beside(part) => part.finish(),
             Self::Direct(mut file) => file.flush(),
         }
     }
 
     fn file(&mut self) -> &mut File {
         match self {
-            Self::Beside(file, _) => file.as_file_mut(),
+            Self::Beside(part) => part.file(),
             Self::Direct(file) => file,
         }
     }
@@ -148,6 +136,8 @@ impl Seek for Sink {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn names(directory: &Path) -> Vec<String> {
@@ -220,5 +210,44 @@ mod tests {
             .finish(|out| out.write_all(b"x"))
             .unwrap();
         assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_private_file_stays_private() {
+        use std::os::unix::fs::PermissionsExt;
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a");
+        for mode in [0o600, 0o640, 0o666] {
+            fs::write(&path, "old").unwrap();
+            fs::set_permissions(&path, fs::Permissions::from_mode(mode)).unwrap();
+            let file = OutputFile::create(&path).unwrap();
+            file.finish(|out| out.write_all(b"new")).unwrap();
+            assert_eq!(fs::read(&path).unwrap(), b"new");
+            let found = fs::metadata(&path).unwrap().permissions().mode();
+            assert_eq!(found & 0o7777, mode);
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_to_what_is_not_there_yet_are_followed() {
+        use std::os::unix::fs::symlink;
+        let directory = tempfile::tempdir().unwrap();
+        let in_it = |name: &str| directory.path().join(name);
+        fs::create_dir(in_it("there")).unwrap();
+        symlink("there/target", in_it("second")).unwrap();
+        symlink(in_it("second"), in_it("first")).unwrap();
+        let file = OutputFile::create(in_it("first")).unwrap();
+        file.finish(|out| out.write_all(b"x")).unwrap();
+        assert_eq!(fs::read(in_it("there/target")).unwrap(), b"x");
+        assert!(fs::symlink_metadata(in_it("first")).unwrap().is_symlink());
+        assert!(fs::symlink_metadata(in_it("second")).unwrap().is_symlink());
+
+        symlink("nowhere/target", in_it("broken")).unwrap();
+        assert!(OutputFile::create(in_it("broken")).is_err());
+        symlink("circle", in_it("circle")).unwrap();
+        assert!(OutputFile::create(in_it("circle")).is_err());
+        assert!(fs::symlink_metadata(in_it("broken")).unwrap().is_symlink());
     }
 }
