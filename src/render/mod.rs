@@ -54,6 +54,7 @@ mod shading;
 mod shape;
 mod stats;
 mod tree;
+mod user_ray;
 
 #[cfg(feature = "compare")]
 pub(crate) use camera::Lens;
@@ -65,10 +66,11 @@ pub use light::{Cone, Lighting, PointLight, Sky, SphereLight};
 pub use material::Material;
 pub use picture::{Crop, FixedGround, Ground, Integrator, Picture};
 pub use ray_batch::{
-    AllAnswers, Answers, NO_PRIMITIVE, PacketWidth, UserRay, UserRays, answer_all_hits,
-    answer_occluded, answer_rays,
+    AllAnswers, Answers, NO_PRIMITIVE, PacketWidth, Untraceable, UserRays, answer_all_hits,
+    answer_occluded, answer_rays, untraceable_rays,
 };
 pub use scene::{Scene, SceneError};
 pub use shading::Shading;
 pub use shape::{Form, Shape};
 pub use stats::{MemoryParts, RayCounts, RenderStats, Times};
+pub use user_ray::{RayFault, UserRay};

@@ -1,29 +1,16 @@
 //! Many rays of the caller at once.
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use super::scene::Scene;
-use crate::embree::{Hit, QueryOptions, Ray, RayPacket, Traced, Width, flush_denormals};
+use super::user_ray::{RayFault, UserRay};
+use crate::embree::{Hit, QueryOptions, RayPacket, Traced, Width, flush_denormals};
 
 /// Rays that one job takes.
 const CHUNK: usize = 1 << 12;
 
 /// Stands for "none" where a primitive has its number.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
-
-/// A ray in the user's space: the points `origin + t direction` with `tnear <= t <= tfar`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UserRay {
-    /// Where t = 0.
-    pub origin: DVec3,
-    /// Need not be of unit length: t counts in its length.
-    pub direction: DVec3,
-    /// Where the ray begins, 0 or more.
-    pub tnear: f64,
-    /// Where the ray ends; may be infinite.
-    pub tfar: f64,
-}
 
 /// How many rays are traced together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -64,14 +51,13 @@ pub struct AllAnswers {
 
 /// Rays of the caller's own, given by their numbers.
 ///
-/// Both functions are called from any thread. A ray that Embree does not trace (see
-/// [`Ray::is_traceable`]) misses.
+/// Both functions are called from any thread. A ray that cannot be traced misses: see [`untraceable_rays`].
 ///
 /// ```
 /// use curvetri::mesh::Mesh;
 /// use curvetri::render::{
 ///     AllAnswers, Answers, Form, NO_PRIMITIVE, PacketWidth, Scene, UserRay, UserRays,
-///     answer_all_hits, answer_occluded, answer_rays,
+///     answer_all_hits, answer_occluded, answer_rays, untraceable_rays,
 /// };
 /// use glam::DVec3;
 ///
@@ -94,6 +80,7 @@ pub struct AllAnswers {
 /// let all: AllAnswers = answer_all_hits(&scene, &rays, PacketWidth::One, 3);
 /// assert_eq!((all.count, all.hits.t.len()), (vec![1, 0], 6));
 /// assert_eq!(answer_occluded(&scene, &rays, PacketWidth::Four), [true, false]);
+/// assert_eq!(untraceable_rays(&scene, &rays), None);
 /// # Ok(())
 /// # }
 /// ```
@@ -161,12 +148,32 @@ pub fn answer_occluded(scene: &Scene, rays: &UserRays<'_>, width: PacketWidth) -
     answers
 }
 
-impl UserRay {
-    /// The ray in the space relative to `origin`.
-    fn localized(&self, origin: DVec3) -> Ray {
-        Ray::new((self.origin - origin).as_vec3(), self.direction.as_vec3())
-            .between(self.tnear as f32, self.tfar as f32)
-    }
+/// The rays of a batch that cannot be traced.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Untraceable {
+    /// How many there are, 1 or more.
+    pub count: usize,
+    /// The number of the first.
+    pub first: usize,
+    /// What is wrong with that one.
+    pub fault: RayFault,
+}
+
+/// Finds out which rays cannot be traced, on the threads of the current rayon pool: they hit nothing in any of
+/// the answers. `None` where all can.
+pub fn untraceable_rays(scene: &Scene, rays: &UserRays<'_>) -> Option<Untraceable> {
+    let faults = (0..rays.count).into_par_iter().filter_map(|number| {
+        let fault = (rays.ray)(number).localized(scene).err()?;
+        Some(Untraceable {
+            count: 1,
+            first: number,
+            fault,
+        })
+    });
+    faults.reduce_with(|a, b| Untraceable {
+        count: a.count + b.count,
+        ..if a.first < b.first { a } else { b }
+    })
 }
 
 /// Work on packets of any width.
@@ -210,11 +217,13 @@ impl<'a> RayChunk<'a> {
 
     /// The rays in packets, each with the number in the chunk of its first.
     fn packets<const N: usize>(self) -> impl Iterator<Item = (usize, RayPacket<N>)> {
-        let ray = move |i: usize| (self.rays.ray)(self.first + i).localized(self.scene.origin());
+        let ray = move |i: usize| (self.rays.ray)(self.first + i).localized(self.scene);
         (0..self.count).step_by(N).map(move |first| {
             let mut packet = RayPacket::<N>::new();
             for lane in 0..N.min(self.count - first) {
-                packet.set_ray(lane, &ray(first + lane));
+                if let Ok(ray) = ray(first + lane) {
+                    packet.set_ray(lane, &ray);
+                }
             }
             (first, packet)
         })

@@ -174,3 +174,35 @@ fn rays_may_begin_and_end_inside_a_patch() {
     }
     agreement.assert_ties_are_rare();
 }
+
+#[test]
+fn a_ray_that_begins_or_ends_at_its_own_hit_has_it() {
+    let mut agreement = Agreement::default();
+    for body in few_bodies() {
+        for options in all_options() {
+            let scene = scene(&body, &options);
+            let whole = rays(&scene, 2_000, 46);
+            let (mut cut, mut expected) = (Vec::new(), Vec::new());
+            for (ray, hit) in whole.iter().zip(singly(&scene, &whole, None).hits) {
+                let Some(hit) = hit else {
+                    continue;
+                };
+                for (tnear, tfar) in [(hit.t, hit.t), (hit.t, ray.tfar), (ray.tnear, hit.t)] {
+                    cut.push(ray.between(tnear, tfar));
+                    expected.push(hit.t);
+                }
+            }
+            assert!(cut.len() > 300, "{}", cut.len());
+            let single = singly(&scene, &cut, None);
+            let found = single.hits.iter().map(|hit| hit.map(|hit| hit.t));
+            for ((ray, found), expected) in cut.iter().zip(found).zip(expected) {
+                assert_eq!(found, Some(expected), "{} {options:?}: {ray:?}", body.name);
+            }
+            assert!(single.occluded.iter().all(|occluded| *occluded));
+            for (how, said) in by_all_packets(&scene, &cut, None) {
+                agreement.compare(&single, &said, &format!("{} {options:?}, {how}", body.name));
+            }
+        }
+    }
+    agreement.assert_ties_are_rare();
+}

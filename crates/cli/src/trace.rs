@@ -9,8 +9,8 @@ use curvetri::embree::Device;
 use curvetri::mesh::Mesh;
 use curvetri::output::{OutputFile, WriteSeek};
 use curvetri::render::{
-    AllAnswers, Answers, Form, PacketWidth, Scene, UserRay, UserRays, answer_all_hits,
-    answer_occluded, answer_rays,
+    AllAnswers, Answers, Form, PacketWidth, Scene, Untraceable, UserRay, UserRays, answer_all_hits,
+    answer_occluded, answer_rays, untraceable_rays,
 };
 use glam::DVec3;
 use npyz::npz::NpzWriter;
@@ -29,7 +29,14 @@ const EXPECTED: &str = "expected float32 or float64 of shape (N, 6), origin and 
 /// Trace rays from a file and write their hits
 ///
 /// RAYS.npy holds float32 or float64 of shape (N, 6): origin and direction. Or of shape (N, 8), with
-/// tnear and tfar after them. Directions need not be of unit length.
+/// tnear and tfar after them. Directions need not be of unit length. Hits have tnear <= t <= tfar, also
+/// on a curved surface where the two are equal; Embree, which traces flat triangles, leaves out a hit
+/// at tnear itself.
+///
+/// A tnear below 0 is 0. A ray cannot be traced that holds a NaN, whose origin or direction has a
+/// component beyond 1.844e18 (less where the file has instances that are made very small), whose
+/// direction has none of 1e-18 or more, or whose tnear is greater than its tfar. Such rays miss; a
+/// warning says how many there are, and which row, counted from 0, is the first and why.
 ///
 /// HITS.npz holds
 ///   t        (N)     float32  distance in units of the direction's length; infinity for a miss
@@ -99,8 +106,12 @@ pub fn run(args: &TraceArgs, console: &Console) -> Result<()> {
         let mesh = args.surface.load(&args.mesh, console)?.mesh;
         let output = OutputFile::create(&args.output)?;
         let bar = console.progress("tracing", rays.rows as u64);
-        let results = args.trace(&device, mesh, form, &rays, &|done| bar.inc(done as u64))?;
+        let (results, untraceable) =
+            args.trace(&device, mesh, form, &rays, &|done| bar.inc(done as u64))?;
         bar.finish_and_clear();
+        if let Some(untraceable) = untraceable {
+            console.warn(&describe(&untraceable, rays.rows));
+        }
         console.note(&format!("{} of {} rays hit", results.hit(), rays.rows));
         Ok(output.finish(|out| results.write(out))?)
     })
@@ -114,7 +125,7 @@ impl TraceArgs {
         form: Form,
         rays: &RayTable,
         progress: &(dyn Fn(usize) + Sync),
-    ) -> Result<Results> {
+    ) -> Result<(Results, Option<Untraceable>)> {
         let scene = if let Some(most) = self.all_hits {
             check_size(rays.rows, most)?;
             Scene::with_filters(device, vec![mesh], form)
@@ -128,12 +139,26 @@ impl TraceArgs {
             progress,
         };
         let width = self.packet.width();
-        Ok(match self.all_hits {
+        let results = match self.all_hits {
             _ if self.occluded => Results::Occluded(answer_occluded(&scene, &rays, width)),
             None => Results::Nearest(answer_rays(&scene, &rays, width)),
             Some(most) => Results::All(answer_all_hits(&scene, &rays, width, most), most),
-        })
+        };
+        Ok((results, untraceable_rays(&scene, &rays)))
     }
+}
+
+/// What to say of rays that cannot be traced.
+fn describe(untraceable: &Untraceable, rows: usize) -> String {
+    let Untraceable {
+        count,
+        first,
+        fault,
+    } = untraceable;
+    format!(
+        "rays that cannot be traced, and so hit nothing: {count} of {rows}; the first is in row {first}, counted \
+         from 0: {fault}"
+    )
 }
 
 /// What was found out about the rays.

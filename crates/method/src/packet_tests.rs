@@ -85,6 +85,24 @@ fn odd_ray(random: &mut Random, patch: &Patch<f32>) -> Ray<f32> {
     ray
 }
 
+/// The same; some begin at their own hit, or begin and end there.
+fn odd_ray_or_cut(random: &mut Random, patch: &Patch<f32>) -> Ray<f32> {
+    let ray = odd_ray(random, patch);
+    let hit = patch.intersect(&ray, Solver::default());
+    match (random.unit() * 6.0) as u32 {
+        0 if hit.found => Ray {
+            tnear: hit.t,
+            ..ray
+        },
+        1 if hit.found => Ray {
+            tnear: hit.t,
+            tfar: hit.t,
+            ..ray
+        },
+        _ => ray,
+    }
+}
+
 fn solvers() -> [Solver; 3] {
     [
         Solver::default(),
@@ -196,7 +214,9 @@ fn every_lane_is_its_ray_alone() {
                 let triangle = Triangle::new(p, normals, flags);
                 let width = [1, 4, 8, 16, 7][n % 5];
                 let patch = triangle.patch();
-                let rays: Vec<_> = (0..width).map(|_| odd_ray(&mut random, &patch)).collect();
+                let rays: Vec<_> = (0..width)
+                    .map(|_| odd_ray_or_cut(&mut random, &patch))
+                    .collect();
                 let valid = [u32::MAX, 0, 0x5a5a, 0xf7ff][n % 4];
                 for solver in solvers() {
                     let [hits, misses] = check(&triangle, &rays, valid, solver);
@@ -279,7 +299,7 @@ fn every_pair_of_a_block_is_its_ray_and_its_patch_alone() {
         let triangles: Vec<_> = (0..8).map(|_| fitting(&mut random, surface)).collect();
         let width = [16, 4, 8, 1, 7][n % 5];
         let rays: Vec<_> = (0..width)
-            .map(|lane| odd_ray(&mut random, &triangles[lane % 8].patch()))
+            .map(|lane| odd_ray_or_cut(&mut random, &triangles[lane % 8].patch()))
             .collect();
         let columns = Columns::new(&rays);
         // Some triangles are not laid out, some later than others, some lanes not requested for.
@@ -354,4 +374,47 @@ fn what_is_not_plainly_curved_fits_no_block() {
             .packed_triangle()
             .fits_block()
     );
+}
+
+#[test]
+fn a_ray_that_begins_or_ends_at_its_own_hit_has_it() {
+    let mut random = Random(15);
+    let mut hits = 0;
+    for n in 0..600 {
+        let (p, normals) = random.triangle([5.0, 30.0, 60.0][n % 3], 0.6);
+        let mut flags = PatchFlags::new(Surface::ALL[n / 3 % 3]);
+        if n % 7 == 0 {
+            flags = flags.with_flat();
+        }
+        if n % 5 == 0 {
+            flags = flags.with_bounds(BoundsKind::Sphere);
+        }
+        let patch = Triangle::new(p, normals, flags).patch();
+        for solver in solvers() {
+            let ray = odd_ray(&mut random, &patch);
+            let hit = patch.intersect(&ray, solver);
+            if !hit.found {
+                continue;
+            }
+            hits += 1;
+            for (tnear, tfar) in [(hit.t, hit.t), (hit.t, ray.tfar), (ray.tnear, hit.t)] {
+                let again = patch.intersect(&Ray { tnear, tfar, ..ray }, solver);
+                let place = |hit: &Hit<f32>| (hit.found, [hit.t, hit.u, hit.v].map(f32::to_bits));
+                assert_eq!(
+                    place(&again),
+                    place(&hit),
+                    "{solver:?} {tnear} {tfar} {ray:?}"
+                );
+            }
+            // The next number is behind it.
+            let behind = Ray {
+                tnear: hit.t.next_up(),
+                tfar: hit.t.next_up(),
+                ..ray
+            };
+            let next = patch.intersect(&behind, solver);
+            assert!(!next.found || next.t > hit.t, "{solver:?} {ray:?}");
+        }
+    }
+    assert!(hits > 800, "{hits}");
 }

@@ -335,6 +335,15 @@ impl<const N: usize> RayPacket<N> {
         lanes & self.active.0
     }
 
+    /// The lanes whose rays end where they begin, one bit a lane.
+    pub(super) fn points(&self) -> u32 {
+        let mut lanes = 0;
+        for lane in 0..N {
+            lanes |= u32::from(self.rays.tnear[lane] == self.rays.tfar[lane]) << lane;
+        }
+        lanes
+    }
+
     /// Whether a ray's direction has a component that is negative, but nearer to zero than
     /// [`LEAST_COMPONENT`]. Embree takes such a one for positive when it divides by it, but for negative when
     /// it sorts a coherent packet's rays by where they lead: other rays of the packet lose hits then.

@@ -377,11 +377,18 @@ impl Scene {
             coherent: u32::from(options.coherent && !packet.leads_hardly_back()),
             filter: options.filter.map(|_| query_filter as _),
         };
-        run(self.0.embree(), options.filter, || match widest {
-            widest if N <= widest => self.call(packet, lanes, &query, function),
-            8 => self.call_in_parts::<N, 8>(packet, lanes, &query, function),
-            4 => self.call_in_parts::<N, 4>(packet, lanes, &query, function),
-            _ => self.call_in_parts::<N, 1>(packet, lanes, &query, function),
+        // A packet's rays meet only what Embree finds before their ends, a single ray what is there as well.
+        let points = packet.points() & lanes;
+        let longer = lanes & !points;
+        run(self.0.embree(), options.filter, || {
+            self.call_in_parts::<N, 1>(packet, points, &query, function);
+            match widest {
+                _ if longer == 0 => (),
+                widest if N <= widest => self.call(packet, longer, &query, function),
+                8 => self.call_in_parts::<N, 8>(packet, longer, &query, function),
+                4 => self.call_in_parts::<N, 4>(packet, longer, &query, function),
+                _ => self.call_in_parts::<N, 1>(packet, longer, &query, function),
+            }
         });
         lanes
     }
@@ -396,6 +403,9 @@ impl Scene {
         query: &CurvetriQuery,
         function: QueryFunction,
     ) {
+        if lanes == 0 {
+            return;
+        }
         for first in (0..N).step_by(M) {
             let mut part = packet.part::<M>(first, lanes);
             if part.active() != 0 {

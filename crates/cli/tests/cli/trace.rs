@@ -2,7 +2,7 @@
 
 use std::fs::File;
 
-use crate::program::Workshop;
+use crate::program::{Workshop, stderr};
 use curvetri_bodies::SplitMix;
 use npyz::npz::NpzArchive;
 use npyz::{AutoSerialize, Deserialize, Order, WriterBuilder};
@@ -253,7 +253,9 @@ fn rays_have_a_beginning_and_an_end_and_untraceable_ones_miss() {
         (with(&[(6, 2.5)]), Some(3.0)),
         (with(&[(6, 3.5)]), None),
         (with(&[(6, 2.5), (7, 2.4)]), None),
-        (with(&[(6, -1.0)]), None),
+        (with(&[(6, -1.0)]), Some(2.0)),
+        (with(&[(6, -1e-6)]), Some(2.0)),
+        (with(&[(7, -1.0)]), None),
         (with(&[(6, nan)]), None),
         (with(&[(7, nan)]), None),
         (with(&[(0, nan)]), None),
@@ -280,6 +282,58 @@ fn rays_have_a_beginning_and_an_end_and_untraceable_ones_miss() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn rays_that_cannot_be_traced_are_counted_with_the_first_one_s_row() {
+    let shop = Workshop::new();
+    let mesh = shop.sphere("ball.obj");
+    let ray = [0.1, 0.2, 5.0, 0.0, 0.0, -2.0, 0.0, f64::INFINITY];
+    let says = |faults: &[(usize, usize, f64)], more: &[&str]| {
+        let mut rays = [ray; 5];
+        for (row, column, value) in faults {
+            rays[*row][*column] = *value;
+        }
+        let rays = save(&shop, "rays.npy", &[5, 8], Order::C, rays.as_flattened());
+        let hits = shop.path("hits.npz");
+        let run = [&["trace", &mesh, "--rays", &rays, "-o", &hits], more].concat();
+        stderr(&shop.succeeds(&run))
+    };
+    for more in [
+        &[][..],
+        &["--packet", "16"],
+        &["--occluded"],
+        &["--all-hits", "2"],
+        &["--surface", "flat"],
+    ] {
+        let said = says(&[(3, 0, f64::NAN), (1, 2, 1e19), (4, 6, -1.0)], more);
+        assert!(said.contains("2 of 5") && said.contains("row 1,"), "{said}");
+        assert!(said.contains("origin has a component of 1e19"), "{said}");
+        let said = says(&[(2, 6, 4.0), (2, 7, 3.0)], more);
+        assert!(said.contains("1 of 5") && said.contains("row 2,"), "{said}");
+        assert!(
+            said.contains("tnear, 4, is greater than its tfar, 3"),
+            "{said}"
+        );
+        assert!(!says(&[(4, 6, -1.0)], more).contains("cannot be traced"));
+    }
+}
+
+#[test]
+fn a_ray_that_begins_and_ends_at_its_hit_has_it_with_packets_of_all_widths() {
+    let shop = Workshop::new();
+    let mesh = shop.sphere("ball.obj");
+    let rays = random_rays(500);
+    let whole = trace(&shop, &mesh, &save_rays(&shop, "rays.npy", &rays), &[]);
+    let mut cut: Vec<f64> = Vec::new();
+    for (ray, t) in rays.iter().zip(&whole.t) {
+        cut.extend(ray.iter().chain(&[f64::from(*t); 2]));
+    }
+    let cut = save(&shop, "cut.npy", &[500, 8], Order::C, &cut);
+    for packet in ["1", "4", "8", "16"] {
+        let again = trace(&shop, &mesh, &cut, &["--packet", packet]);
+        assert!(again == whole, "packets of {packet}");
     }
 }
 

@@ -32,7 +32,7 @@ impl<S: Scalar> ClipVolume<S> {
         let distance = from.max_abs();
         // Not cut at the ray's end, which is the nearest hit so far: the root must not depend on the
         // order in which patches are tested.
-        let (mut lo, mut hi) = (lanes, lanes.constant(f64::INFINITY));
+        let (mut lo, mut hi) = (ray.search_start(), lanes.constant(f64::INFINITY));
         let mut alive = valid & lanes.mask(self.exists);
         let grazing = self.grazing(along, distance);
         for plane in &self.planes {

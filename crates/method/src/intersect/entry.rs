@@ -123,7 +123,7 @@ impl<S: Precision> Patch<S> {
         S::patch_guide(self, u, v)
     }
 
-    /// The first hit with `tnear < t <= tfar`.
+    /// The first hit with `tnear <= t <= tfar`.
     ///
     /// The plain form of the search, in one number at a time. [`PackedTriangle`](crate::PackedTriangle)
     /// gives the same answers faster.

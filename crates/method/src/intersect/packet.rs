@@ -49,7 +49,7 @@ struct Request {
 }
 
 impl PackedTriangle<'_> {
-    /// The first hits with `tnear < t <= tfar` of the lanes of `valid` (one bit a lane), with the
+    /// The first hits with `tnear <= t <= tfar` of the lanes of `valid` (one bit a lane), with the
     /// surface's normals there if `normals`.
     ///
     /// Every lane's answer is bit for bit that of [`Patch::intersect`](crate::Patch::intersect) and
@@ -123,7 +123,7 @@ impl PackedTriangle<'_> {
         hits
     }
 
-    /// Where the ray first meets the surface with `tnear < t <= tfar`, and the surface's normal there
+    /// Where the ray first meets the surface with `tnear <= t <= tfar`, and the surface's normal there
     /// if `normal`, else zeros.
     ///
     /// The answer is bit for bit that of [`Patch::intersect`](crate::Patch::intersect) and [`Patch::normal_at`](crate::Patch::normal_at), but for the count

@@ -100,7 +100,7 @@ impl PairHits {
 }
 
 impl PatchBlock {
-    /// The first hits with `tnear < t <= tfar` of the rays of `lanes` (one bit a lane) with each patch that
+    /// The first hits with `tnear <= t <= tfar` of the rays of `lanes` (one bit a lane) with each patch that
     /// is unpacked, with the surface's normals there if `normals`.
     ///
     /// Every answer is bit for bit that of [`Patch::intersect`](crate::Patch::intersect) and [`Patch::normal_at`](crate::Patch::normal_at) for the ray and
@@ -236,7 +236,7 @@ impl PatchBlock {
             },
         );
         hits.evaluations += hit.evaluations;
-        let found = P::bits(hit.found & ray.tnear.less(hit.t) & hit.t.at_most(ray.tfar));
+        let found = P::bits(hit.found & hit.t.at_most(ray.tfar));
         if found == 0 {
             return;
         }

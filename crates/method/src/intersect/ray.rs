@@ -19,6 +19,14 @@ pub struct Ray<V> {
 }
 
 impl<V: Real> Ray<V> {
+    /// Where roots are looked for: from the origin on, or from `tnear` where that is below zero. Not from a
+    /// greater `tnear`: a root then does not depend on where the ray begins, to the last bit, and a ray that
+    /// begins at its own hit has it.
+    #[inline(always)]
+    pub(crate) fn search_start(&self) -> V {
+        self.tnear.lesser(self.tnear.zero())
+    }
+
     /// A ray that leads nowhere.
     #[inline(always)]
     pub(crate) fn blank(any: V) -> Self {

@@ -24,8 +24,8 @@ const MAX_OUTSIDE: f64 = 9e-5;
 /// they are no more than 74 degrees apart.
 const BESIDE: f64 = 1.25;
 
-/// Most roots of one ray on one patch that are looked at for the first true one.
-const MAX_ROOTS: u32 = 4;
+/// Most roots of one ray on one patch that are looked at for the first true one from `tnear` on.
+const MAX_ROOTS: u32 = 6;
 /// Height of the slab, in units of the patch's size, from which on a ray is sampled twice as densely.
 const HIGH_SLAB: f64 = 0.4;
 /// How far from zero F may be by rounding alone: as near as a root need be found, in epsilons of the patch's
@@ -34,7 +34,7 @@ const HIGH_SLAB: f64 = 0.4;
 const NOISE_EPSILONS: f64 = 2.0;
 
 impl<S: Scalar> Patch<S> {
-    /// The first hits with `tnear < t <= tfar`: the rays are clipped, and then the surface is searched.
+    /// The first hits with `tnear <= t <= tfar`: the rays are clipped, and then the surface is searched.
     #[inline(always)]
     pub(crate) fn intersect_lanes<V: Real<Scalar = S>>(
         &self,
@@ -99,7 +99,7 @@ impl<S: Scalar> Patch<S> {
             _ => self.curved_hit(segment, solver, search),
         };
         Hit {
-            found: hit.found & ray.tnear.less(hit.t) & hit.t.at_most(ray.tfar),
+            found: hit.found & hit.t.at_most(ray.tfar),
             ..hit
         }
     }
@@ -109,13 +109,14 @@ impl<S: Scalar> Patch<S> {
         let (at, inside) = segment.plane_crossing();
         let b = segment.projection(at);
         let ([u, v], moved) = self.moved_inside(b, inside);
-        let (mut t, mut beside) = (segment.start + at, moved);
+        let (mut t, mut beside) = (segment.t(at), moved);
         if is_thin(self) {
             // A ray at a grazing angle that was moved onto an edge passes it elsewhere.
             let [later, off] = segment.passing(self, [u - b[1], v - b[2]]);
             (t, beside) = (t + later, off);
         }
-        let found = inside & beside.at_most(segment.stray_tolerance * at.constant(BESIDE));
+        let on_triangle = inside & beside.at_most(segment.stray_tolerance * at.constant(BESIDE));
+        let found = on_triangle & segment.tnear.at_most(t);
         Hit {
             found,
             t,
@@ -276,10 +277,11 @@ impl<S: Constant> Patch<S> {
         let close = [noise / segment.speed, noise];
         let crossing = stretch.crossing(segment, single, close, f);
         hit.found = self.verify(segment, crossing.at, crossing.found, hit);
-        crossing.missed
+        let early = segment.t(crossing.at).less(segment.tnear);
+        crossing.missed | (crossing.found & early & stretch.none_later)
     }
 
-    /// Sets the hit where a root is one: the point there is on its guide, and the foot inside.
+    /// Sets the hit where a root is one: not before `tnear`, the point there on its guide, and the foot inside.
     #[inline(always)]
     fn verify<V: Real<Scalar = S>>(
         &self,
@@ -295,8 +297,12 @@ impl<S: Constant> Patch<S> {
         let on_guide = self
             .strayed2(&foot, above, z)
             .at_most(tolerance * tolerance);
-        let true_root = found & on_guide & moved.at_most(tolerance * tolerance.constant(BESIDE));
-        hit.t = V::select(true_root, segment.start + at, hit.t);
+        let t = segment.t(at);
+        let true_root = found
+            & segment.tnear.at_most(t)
+            & on_guide
+            & moved.at_most(tolerance * tolerance.constant(BESIDE));
+        hit.t = V::select(true_root, t, hit.t);
         hit.u = V::select(true_root, u, hit.u);
         hit.v = V::select(true_root, v, hit.v);
         true_root

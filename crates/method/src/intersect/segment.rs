@@ -27,6 +27,8 @@ pub struct Segment<V: Real> {
     pub(crate) entry_tolerance: V,
     /// The same at the end.
     pub(crate) exit_tolerance: V,
+    /// The ray's `tnear`: roots before it are passed over.
+    pub(crate) tnear: V,
     /// Length of the direction in units of the patch's size.
     pub(crate) speed: V,
     /// Barycentric coordinates of the vertical projection at the start, and their rates.
@@ -61,7 +63,7 @@ pub(crate) const SEGMENT_NUMBERS: usize = Segment::<f32>::COUNT;
 
 /// All numbers but whether there is an interval.
 impl<V: Real> Fields<V> for Segment<V> {
-    const COUNT: usize = 14;
+    const COUNT: usize = 15;
 
     #[inline(always)]
     fn visit(&mut self, cursor: &mut impl Cursor<V>) {
@@ -70,6 +72,7 @@ impl<V: Real> Fields<V> for Segment<V> {
         cursor.number(&mut self.stray_tolerance);
         cursor.number(&mut self.entry_tolerance);
         cursor.number(&mut self.exit_tolerance);
+        cursor.number(&mut self.tnear);
         cursor.number(&mut self.speed);
         cursor.number(&mut self.b[0]);
         cursor.number(&mut self.b[1]);
@@ -112,13 +115,14 @@ impl<V: Real> Segment<V> {
             epsilons,
             distance.constant(S::PRECISION * CLEARANCE_EPSILONS),
         );
-        let entered = ray.tnear.less(interval.start);
+        let entered = ray.search_start().less(interval.start);
         Self {
             length: interval.length,
             alive,
             stray_tolerance,
             entry_tolerance: V::select(entered, exit_tolerance, -exit_tolerance),
             exit_tolerance,
+            tnear: ray.tnear,
             ..local
         }
     }
@@ -167,6 +171,7 @@ impl<V: Real> Segment<V> {
             stray_tolerance: zero,
             entry_tolerance: zero,
             exit_tolerance: zero,
+            tnear: start,
             speed: along.length(),
             b: coordinates(across.dot(corner), base.dot(corner), one),
             b_rate: coordinates(across.dot(along), base.dot(along), zero),
@@ -215,6 +220,7 @@ impl<V: Real> Segment<V> {
             stray_tolerance: any,
             entry_tolerance: any,
             exit_tolerance: any,
+            tnear: any,
             speed: any,
             b: [any; 3],
             b_rate: [any; 3],
@@ -256,6 +262,12 @@ impl<V: Real> Segment<V> {
         self.entry_tolerance = -self.exit_tolerance;
         self.length = self.length - at;
         self.alive = self.alive & at.zero().less(self.length);
+    }
+
+    /// The ray's parameter at the segment's.
+    #[inline(always)]
+    pub(crate) fn t(&self, at: V) -> V {
+        self.start + at
     }
 
     /// Height over the plane at the segment's parameter.

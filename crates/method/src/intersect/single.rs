@@ -119,7 +119,7 @@ impl<S: Simd> EdgesInLanes<S> {
         let tolerance = numbers(planes.distance_tolerance)[LAST];
         let value = tolerance.mul_add(distance, self.above) - self.up().dot(from);
         let above = Crossing::new(value, -numbers(rate)[LAST]);
-        let (mut lo, mut hi) = (ray.tnear, f32::INFINITY);
+        let (mut lo, mut hi) = (ray.search_start(), f32::INFINITY);
         for n in 0..4 {
             lo = entries[n].greater(lo);
             hi = exits[n].lesser(hi);
