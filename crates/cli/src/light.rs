@@ -54,9 +54,9 @@ pub struct LightArgs {
     #[arg(long, value_name = "SHARE", default_value = "0.7", value_parser = values::share)]
     pub albedo: f32,
 
-    /// Which normals flat triangles are lit by. Curved ones have their own [default: geometric]
-    #[arg(long, value_enum)]
-    shading: Option<ShadingChoice>,
+    /// Which normals surfaces are lit by, flat and curved
+    #[arg(long, value_enum, default_value_t = ShadingChoice::Geometric)]
+    shading: ShadingChoice,
 
     /// Exposure in stops, added to the default; for .png
     #[arg(long, value_name = "STOPS", default_value = "0", value_parser = values::stops,
@@ -74,23 +74,13 @@ pub struct LightArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum ShadingChoice {
-    /// The normals of the flat triangles themselves
+    /// The geometry's own: each flat triangle is a facet
     Geometric,
-    /// The vertex normals, interpolated: a smooth look, but the shadows of flat triangles
+    /// The vertex normals, interpolated: outlines and shadows stay those of the geometry
     Interpolated,
 }
 
 impl LightArgs {
-    /// Refuses what has no effect on curved surfaces.
-    pub fn check(&self, flat: bool) -> Result<()> {
-        if self.shading.is_some() && !flat {
-            return usage(
-                "--shading is for --surface flat: a curved surface has normals of its own",
-            );
-        }
-        Ok(())
-    }
-
     /// The lights of a scene whose files have these.
     pub fn lighting(&self, up: UpAxis, scene: &Scene, scenery: &Scenery) -> Lighting {
         let mut lighting = Lighting::daylight(up);
@@ -129,11 +119,11 @@ impl LightArgs {
         }
     }
 
-    /// What flat triangles are lit by.
+    /// What surfaces are lit by.
     pub fn shading(&self) -> Shading {
         match self.shading {
-            None | Some(ShadingChoice::Geometric) => Shading::Geometric,
-            Some(ShadingChoice::Interpolated) => Shading::Interpolated,
+            ShadingChoice::Geometric => Shading::Geometric,
+            ShadingChoice::Interpolated => Shading::Interpolated,
         }
     }
 

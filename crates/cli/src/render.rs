@@ -158,7 +158,6 @@ impl RenderArgs {
         self.view.check()?;
         self.integrator.integrator()?;
         self.integrator.material()?;
-        self.light.check(form == Form::Flat)?;
         let format = self.format()?;
         if format == PictureFormat::Exr && self.light.exposure != 0.0 {
             return usage("--exposure is for .png: an .exr file has the light as it is");

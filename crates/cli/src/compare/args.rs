@@ -6,14 +6,14 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use curvetri::curved::CurvedOptions;
 use curvetri::method::Surface;
-use curvetri::render::{Background, Form};
+use curvetri::render::{Background, Form, Shading};
 
 use super::super::integrator::IntegratorArgs;
 use super::super::light::LightArgs;
 use super::super::surface::{SurfaceArgs, plain};
 use super::super::view::ViewArgs;
 use super::super::{usage, values};
-use super::measure::Contestant;
+use super::measure::{Contestant, INTERPOLATED};
 
 /// Compare flat triangles with the curved surface: pictures, errors, time and memory
 #[derive(Args)]
@@ -37,7 +37,7 @@ pub struct CompareArgs {
         value_name = "FORM,...",
         value_enum,
         value_delimiter = ',',
-        default_value = "paper"
+        default_values = ["paper", "interpolated"]
     )]
     pub also: Vec<AlsoChoice>,
 
@@ -80,11 +80,13 @@ pub struct CompareArgs {
     pub surface: SurfaceArgs,
 }
 
-/// Further forms to compare, as they are without any options.
+/// Further forms to compare. Surfaces are as they are without any options.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum AlsoChoice {
     /// Flat triangles, lit by their own normals
     Facets,
+    /// The curved surface, lit by interpolated vertex normals
+    Interpolated,
     /// The paper's surface, with the default bounds and root finder
     Angular,
     /// Curvature as a quadratic form
@@ -111,10 +113,10 @@ impl CompareArgs {
         }
         let mut forms = vec![
             Contestant::flat("flat"),
-            Contestant::curved("curved", curved),
+            Contestant::curved("curved", curved).lit_by(self.light.shading()),
         ];
         for choice in &self.also {
-            let Some(also) = choice.contestant() else {
+            let Some(also) = choice.contestant(curved) else {
                 continue;
             };
             let same = |old: &Contestant| old.form == also.form && old.shading == also.shading;
@@ -139,13 +141,13 @@ impl CompareArgs {
         }
         self.integrator.integrator()?;
         self.integrator.material()?;
-        self.light.check(false)?;
         self.view.check()
     }
 }
 
 impl AlsoChoice {
-    fn contestant(self) -> Option<Contestant> {
+    /// `compared` is the form that is set beside flat triangles.
+    fn contestant(self, compared: Form) -> Option<Contestant> {
         let curved = |name, surface| {
             let options = CurvedOptions { surface, ..plain() };
             Contestant::curved(name, Form::Curved(options))
@@ -154,6 +156,9 @@ impl AlsoChoice {
             Self::None => return None,
             Self::Paper => Contestant::curved("paper", Form::Curved(CurvedOptions::paper())),
             Self::Facets => Contestant::facets(),
+            Self::Interpolated => {
+                Contestant::curved(INTERPOLATED, compared).lit_by(Shading::Interpolated)
+            }
             Self::Angular => curved("angular", Surface::Angular),
             Self::Tensor => curved("tensor", Surface::Tensor),
             Self::Smooth => curved("smooth", Surface::Smooth),

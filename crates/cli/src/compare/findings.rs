@@ -5,6 +5,7 @@ use curvetri::compare::{Difference, Summary};
 use serde::Serialize;
 
 use super::figures::{Figures, FormFigures};
+use super::measure::INTERPOLATED;
 use super::table::number;
 
 /// One thing to know.
@@ -32,6 +33,7 @@ pub fn of(figures: &Figures) -> Vec<Finding> {
         Some(_) => errors(figures.flat(), figures.curved()),
         None => differences(figures.curved()),
     };
+    findings.extend(interpolated(figures));
     findings.extend(terminator(figures));
     findings.extend(left_flat(figures.curved()));
     findings.push(time(figures));
@@ -132,6 +134,37 @@ fn errors(flat: &FormFigures, curved: &FormFigures) -> Vec<Finding> {
     errors
         .filter_map(|(what, unit, [curved, flat])| Some(nearer(what, unit, curved?, flat?)))
         .collect()
+}
+
+/// Whether the curved surface is nearer to the reference with its own normals or with interpolated ones.
+fn interpolated(figures: &Figures) -> Option<Finding> {
+    figures.reference()?;
+    let mut forms = figures.forms.iter();
+    let lit_by_vertices = forms.find(|form| form.name == INTERPOLATED)?;
+    let [own, stored] = [figures.curved(), lit_by_vertices].map(|form| form.difference.as_ref());
+    let (own, stored) = (own?, stored?);
+    let nearer = if own.flip > ALIKE * stored.flip {
+        "With interpolated normals the curved surface looks nearer to the reference"
+    } else if stored.flip > ALIKE * own.flip {
+        "With its own normals the curved surface looks nearer to the reference"
+    } else {
+        "The curved surface looks the same with its own normals and with interpolated ones"
+    };
+    let degrees = |difference: &Difference| {
+        let normals = difference.shading_normal;
+        normals.map_or("-".into(), |normals| number(normals.mean))
+    };
+    Some(Finding {
+        favours: Favours::Neither,
+        text: format!(
+            "{nearer} (FLIP {} with its own, {} with interpolated ones; normals {} and {} degrees off on \
+             average).",
+            number(own.flip),
+            number(stored.flip),
+            degrees(own),
+            degrees(stored)
+        ),
+    })
 }
 
 /// Which of two errors is the smaller, and how much.

@@ -15,6 +15,9 @@ use super::super::device;
 use super::LoadedMeshes;
 use super::args::CompareArgs;
 
+/// The name of the curved surface that is lit by interpolated normals.
+pub const INTERPOLATED: &str = "interpolated";
+
 /// Something to be compared.
 #[derive(Clone, Debug)]
 pub struct Contestant {
@@ -208,6 +211,15 @@ impl Contestant {
             form,
             shading: Shading::Geometric,
         }
+    }
+
+    /// The same, lit by these normals.
+    pub fn lit_by(mut self, shading: Shading) -> Self {
+        if shading == Shading::Interpolated && self.shading != shading {
+            self.title += " with interpolated normals";
+        }
+        self.shading = shading;
+        self
     }
 
     /// A fine mesh that stands for the truth. Flat, so that it does not favour the curved surfaces.

@@ -45,7 +45,10 @@ fn beside_a_fine_torus_the_curved_one_is_nearer_than_the_flat_one_by_every_measu
         .iter()
         .map(|form| form["name"].as_str().unwrap())
         .collect();
-    assert_eq!(names, ["flat", "curved", "paper", "reference"]);
+    assert_eq!(
+        names,
+        ["flat", "curved", "paper", "interpolated", "reference"]
+    );
     // At least so many times nearer; the floor is the reference's own: its shadows' flat edges, and
     // the few samples along them.
     let gains = [
@@ -63,17 +66,27 @@ fn beside_a_fine_torus_the_curved_one_is_nearer_than_the_flat_one_by_every_measu
             "{measure}: curved {curved}, flat {flat}, wanted {gain} times"
         );
     }
-    assert!(figures["forms"][3]["apart"].is_null());
-    let [flat, curved] = [0, 1].map(|n| at(&figures, &format!("/forms/{n}/darkened/share")));
+    assert!(figures["forms"][4]["apart"].is_null());
+    // Normals that are interpolated bring no shadows of flat triangles with them.
+    let [flat, curved, interpolated] =
+        [0, 1, 3].map(|n| at(&figures, &format!("/forms/{n}/darkened/share")));
     assert!(
-        flat > 0.01 && curved < 0.2 * flat,
-        "flat {flat}, curved {curved}"
+        flat > 0.01 && curved < 0.2 * flat && interpolated < 0.2 * flat,
+        "flat {flat}, curved {curved}, with interpolated normals {interpolated}"
     );
+    let [curved, interpolated] =
+        [1, 3].map(|n| at(&figures, &format!("/forms/{n}/apart/outline/mean")));
+    assert_eq!(curved, interpolated, "the outline is the geometry's");
     let sheet = image::open(shop.path("sheet.png")).unwrap();
     assert_eq!(sheet.width(), 4 * 240 + 5 * 8, "four pictures and gaps");
     let findings = figures["findings"].as_array().unwrap();
     let favoured: Vec<&Value> = findings.iter().map(|finding| &finding["favours"]).collect();
     assert_eq!(favoured[..5], ["curved"; 5], "{findings:#?}");
+    let told = findings[5]["text"].as_str().unwrap();
+    assert!(
+        told.contains("interpolated") && told.contains("own normals"),
+        "{told}"
+    );
 }
 
 #[test]

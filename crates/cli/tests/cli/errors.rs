@@ -220,11 +220,6 @@ fn options_of_other_integrators_materials_and_formats_are_refused() {
         ),
         (
             &png,
-            "--shading interpolated",
-            "--shading is for --surface flat",
-        ),
-        (
-            &png,
             "--size 9x9 --crop 5,0,5x1",
             "not within the picture of 9x9",
         ),

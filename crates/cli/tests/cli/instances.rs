@@ -174,8 +174,9 @@ fn instances_make_the_picture_of_copies() {
         let name = if shared { "shared.glb" } else { "copies.glb" };
         shop.write(name, scene(shared))
     });
-    let cases: [&[&str]; 8] = [
+    let cases: [&[&str]; 9] = [
         &[],
+        &["--shading", "interpolated"],
         &["--surface", "flat"],
         &[
             "--surface",
