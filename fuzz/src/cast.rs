@@ -152,6 +152,7 @@ impl Options {
             positions,
             corners,
             normals,
+            ..RawMesh::default()
         }
     }
 }

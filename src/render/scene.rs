@@ -102,8 +102,8 @@ impl Scene {
     fn build(device: &Device, parts: Parts, form: Form, filters: bool) -> Result<Self, SceneError> {
         let start = Instant::now();
         let (bounds, outermost_first) = parts.extent().ok_or(SceneError::Empty)?;
-        let in_place = in_place(&parts);
-        let origin = common_origin(&parts, &in_place, &bounds);
+        let in_place = parts.placed_once();
+        let origin = parts.common_origin(&bounds);
         let Parts { meshes, placements } = parts;
         let shapes: Vec<Shape> = (meshes.into_iter().zip(&in_place))
             .map(|(mesh, &in_place)| if in_place { mesh.rebased(origin) } else { mesh })
@@ -261,28 +261,6 @@ impl Scene {
     /// Time to curve and to build; the other times are zero.
     pub fn times(&self) -> Times {
         self.times
-    }
-}
-
-/// Which meshes are attached themselves: those that are used once, as they are.
-fn in_place(parts: &Parts) -> Vec<bool> {
-    let mut uses = vec![0_usize; parts.meshes.len()];
-    for placement in &parts.placements {
-        // Any transform makes an instance, as two uses do.
-        uses[placement.part] += if placement.is_in_place() { 1 } else { 2 };
-    }
-    uses.into_iter().map(|uses| uses == 1).collect()
-}
-
-/// The origin of the meshes that are attached themselves where they have the same, so that not a bit
-/// of them changes, and there is nothing else; otherwise one that suits the common bounds.
-fn common_origin(parts: &Parts, in_place: &[bool], bounds: &Bounds) -> DVec3 {
-    let first = parts.meshes[0].origin();
-    let same = parts.meshes.iter().all(|mesh| mesh.origin() == first);
-    if same && in_place.iter().all(|&in_place| in_place) {
-        first
-    } else {
-        bounds.local_origin()
     }
 }
 

@@ -358,6 +358,7 @@ fn split_by_octant(raw: &mut RawMesh) {
         corners,
         normals,
         normal_corners: Some(normal_corners),
+        ..
     } = raw
     else {
         return;

@@ -199,6 +199,7 @@ fn normals(inspection: &Inspection) -> Vec<(&'static str, u64)> {
     vec![
         ("stored", normals.stored),
         ("made", normals.made),
+        ("by_group", normals.by_group),
         ("faceted", normals.faceted),
         ("unusable", normals.unusable),
         ("renormalised", normals.renormalised),
@@ -231,6 +232,9 @@ fn problems(inspection: &Inspection) -> Vec<(&'static str, u64)> {
         ("t_junctions", inspection.t_junctions),
         ("snapped_vertices", inspection.report.snapped),
         ("skipped_elements", inspection.report.skipped_elements),
+        ("unused_vertices", inspection.report.unused_vertices),
+        ("imprecise_triangles", inspection.report.imprecise_triangles),
+        ("skipped_faults", inspection.report.skipped_faults),
     ]
 }
 

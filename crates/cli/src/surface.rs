@@ -2,16 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use curvetri::curved::{CurvedOptions, FlatTriangles, Primitives};
-use curvetri::mesh::{Loaded, Loader, Mesh, NormalsPolicy, Parts, Scenery};
+use curvetri::mesh::{LoadReport, Loaded, Loader, Mesh, NormalsPolicy, Parts, Scenery};
 use curvetri::method::{BoundsKind, Solver, Surface};
 use curvetri::render::Form;
 
 use super::console::Console;
 use super::usage;
 use super::values::{self, Tolerance};
+
+/// What is said of meshes that no ray hits.
+const NOTHING_TO_SEE: &str = "no triangle has an area: there is nothing to see";
 
 #[derive(Args)]
 #[command(next_help_heading = "Surface")]
@@ -51,12 +54,17 @@ pub struct SurfaceArgs {
     tolerance: Option<Tolerance>,
 
     /// Where normals are missing, faces that meet at a greater angle than this form a hard edge
-    #[arg(long, value_name = "DEGREES", default_value = "30", value_parser = values::crease)]
-    crease_angle: f32,
+    /// [default: 30, or as the smoothing groups of an OBJ file say]
+    #[arg(long, value_name = "DEGREES", value_parser = values::crease)]
+    crease_angle: Option<f32>,
 
     /// Which of the normals in a file are used
     #[arg(long, value_enum, default_value_t = NormalsChoice::Auto)]
     normals: NormalsChoice,
+
+    /// Skip faces and corners that are wrong, and count them, instead of refusing the file
+    #[arg(long)]
+    lenient: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -217,8 +225,8 @@ impl SurfaceArgs {
     /// Reads a mesh and tells what was odd about it.
     pub fn load(&self, path: &Path, console: &Console) -> Result<Loaded> {
         let loaded = self.read(path, console)?;
-        for warning in &loaded.report.warnings {
-            console.warn(&format!("{}: {warning}", path.display()));
+        if loaded.report.is_without_area() {
+            bail!(NOTHING_TO_SEE);
         }
         Ok(loaded)
     }
@@ -227,6 +235,7 @@ impl SurfaceArgs {
     /// times stays separate.
     pub fn load_all(&self, paths: &[PathBuf], console: &Console) -> Result<(Parts, Scenery)> {
         let (mut parts, mut scenery) = (Parts::default(), Scenery::default());
+        let mut is_without_area = true;
         for path in paths {
             let bar = console.progress("reading", 1000);
             let report = |share| bar.set_position((1000.0 * share) as u64);
@@ -235,23 +244,39 @@ impl SurfaceArgs {
             for mesh in &loaded.parts.meshes {
                 Self::note(path, mesh, console);
             }
-            for warning in &loaded.report.warnings {
-                console.warn(&format!("{}: {warning}", path.display()));
-            }
+            Self::warn(path, &loaded.report, console);
+            is_without_area &= loaded.report.is_without_area();
             parts.append(loaded.parts);
             scenery.append(loaded.scenery);
+        }
+        if is_without_area {
+            bail!(NOTHING_TO_SEE);
+        }
+        let imprecise = parts.imprecise_triangles();
+        if imprecise > 0 {
+            console.warn(&format!(
+                "the meshes lie so far apart that single precision does not hold the shape of \
+                 {imprecise} triangles; move them nearer to each other, or render them one by one"
+            ));
         }
         Ok((parts, scenery))
     }
 
-    /// Reads a mesh, with what was odd about it.
+    /// Reads a mesh, even one that no ray hits, and tells what was odd about it.
     pub fn read(&self, path: &Path, console: &Console) -> Result<Loaded> {
         let bar = console.progress("reading", 1000);
         let report = |share| bar.set_position((1000.0 * share) as u64);
         let loaded = self.loader().progress(&report).load(path)?;
         bar.finish_and_clear();
         Self::note(path, &loaded.mesh, console);
+        Self::warn(path, &loaded.report, console);
         Ok(loaded)
+    }
+
+    fn warn(path: &Path, report: &LoadReport, console: &Console) {
+        for warning in &report.warnings {
+            console.warn(&format!("{}: {warning}", path.display()));
+        }
     }
 
     fn loader(&self) -> Loader<'_> {
@@ -260,9 +285,11 @@ impl SurfaceArgs {
             NormalsChoice::Smooth => NormalsPolicy::Smooth,
             NormalsChoice::Auto => NormalsPolicy::Auto,
         };
-        Loader::new()
-            .normals(policy)
-            .crease_angle_degrees(self.crease_angle)
+        let loader = Loader::new().normals(policy).lenient(self.lenient);
+        match self.crease_angle {
+            Some(degrees) => loader.crease_angle_degrees(degrees),
+            None => loader,
+        }
     }
 
     fn note(path: &Path, mesh: &Mesh, console: &Console) {

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
 use thiserror::Error;
 
 /// The largest coordinate a mesh may have: single precision's squares overflow a little beyond it,
@@ -23,9 +24,18 @@ pub const MAX_INDICES: u64 = 1 << 31;
 #[derive(Debug, Error, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// There is no triangle.
+    /// There are neither triangles nor points.
     #[error("the mesh is empty: it has no triangles")]
     Empty,
+    /// There are points, but no triangles.
+    #[error(
+        "the mesh has {points} points, no faces; only faces are a surface: make some of the points \
+         first, with a program for point clouds"
+    )]
+    NoFaces {
+        /// How many vertices there are.
+        points: usize,
+    },
     /// A coordinate is NaN or infinite.
     #[error("vertex {vertex} is not finite: {x} {y} {z}")]
     NotFinite {
@@ -81,6 +91,14 @@ pub enum MeshError {
         /// What there should be as many of.
         expected: String,
     },
+    /// The smoothing groups do not match the triangles one to one.
+    #[error("{groups} smoothing groups do not match {triangles} triangles")]
+    GroupCount {
+        /// How many groups there are.
+        groups: usize,
+        /// How many triangles there are.
+        triangles: usize,
+    },
     /// More than [`MAX_INDICES`] vertices.
     #[error(
         "{vertices} vertices are more than the {MAX_INDICES} (2^31) a mesh may have; split the mesh"
@@ -97,6 +115,18 @@ pub enum MeshError {
         /// How many there are.
         indices: u64,
     },
+}
+
+/// Refuses a vertex whose position no mesh may have.
+pub(crate) fn check_position(vertex: usize, position: DVec3) -> Result<(), MeshError> {
+    let DVec3 { x, y, z } = position;
+    if !position.is_finite() {
+        return Err(MeshError::NotFinite { vertex, x, y, z });
+    }
+    if position.abs().max_element() > MAX_COORDINATE {
+        return Err(MeshError::TooFar { vertex, x, y, z });
+    }
+    Ok(())
 }
 
 /// Refuses more index values or vertices than a mesh may have.
@@ -193,6 +223,32 @@ pub(crate) enum Fault {
 }
 
 impl Fault {
+    /// The same with more text behind it.
+    pub(crate) fn with(self, more: &str) -> Fault {
+        match self {
+            Fault::Line(line, what) => Fault::Line(line, what + more),
+            Fault::Content(what) => Fault::Content(what + more),
+            Fault::Caused { line, what, source } => {
+                let what = format!("{what}: {source}{more}");
+                match line {
+                    Some(line) => Fault::Line(line, what),
+                    None => Fault::Content(what),
+                }
+            }
+            Fault::Mesh(error) => Fault::Content(format!("{error}{more}")),
+        }
+    }
+
+    /// The place and what is wrong there, without the file.
+    pub(crate) fn text(&self) -> String {
+        match self {
+            Fault::Line(line, what) => format!("line {line}: {what}"),
+            Fault::Content(what) => what.clone(),
+            Fault::Caused { what, source, .. } => format!("{what}: {source}"),
+            Fault::Mesh(error) => error.to_string(),
+        }
+    }
+
     /// The error for the file of this name.
     pub(crate) fn of(self, path: &Path) -> LoadError {
         let path = path.into();

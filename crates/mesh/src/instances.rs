@@ -1,9 +1,10 @@
 //! Meshes and their instances.
 
-use glam::{DAffine3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
+use rayon::prelude::*;
 
 use crate::bounds::Bounds;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, holds_shape};
 
 /// Meshes, each once, and where they are placed.
 ///
@@ -102,6 +103,59 @@ impl Parts {
         Some(self.extent()?.0)
     }
 
+    /// Whether each mesh is placed only once, in the user's space as it is. Such meshes can be
+    /// geometries of a scene themselves, around one origin, while others are instances.
+    #[must_use]
+    pub fn placed_once(&self) -> Vec<bool> {
+        let mut placements = vec![0_usize; self.meshes.len()];
+        for placement in &self.placements {
+            // Any transform makes an instance, as two placements do.
+            placements[placement.part] += if placement.is_in_place() { 1 } else { 2 };
+        }
+        placements.into_iter().map(|count| count == 1).collect()
+    }
+
+    /// The origin that all meshes which are [placed once](Parts::placed_once) can share: their own
+    /// where they have the same, so that not a bit of them changes, and there is nothing else.
+    /// Otherwise one that suits these bounds, those of all.
+    ///
+    /// # Panics
+    ///
+    /// If there are no meshes.
+    #[must_use]
+    pub fn common_origin(&self, bounds: &Bounds) -> DVec3 {
+        let first = self.meshes[0].origin();
+        let same = self.meshes.iter().all(|mesh| mesh.origin() == first);
+        if same && self.placed_once().iter().all(|&once| once) {
+            first
+        } else {
+            bounds.local_origin()
+        }
+    }
+
+    /// Triangles so small, and so far from the [common origin](Parts::common_origin), that single
+    /// precision around it moves their corners by more than a twentieth of their longest edge. What
+    /// that loses is lost where the meshes share a scene; each alone is as it was.
+    #[must_use]
+    pub fn imprecise_triangles(&self) -> u64 {
+        let Some(bounds) = self.bounds() else {
+            return 0;
+        };
+        let origin = self.common_origin(&bounds);
+        let moved = self.meshes.iter().zip(self.placed_once());
+        let moved = moved.filter(|(mesh, once)| *once && mesh.origin() != origin);
+        let imprecise = |mesh: &Mesh| {
+            let shift = mesh.origin() - origin;
+            let triangles = (0..mesh.triangles().len()).into_par_iter();
+            let is_imprecise = |&triangle: &usize| {
+                let corners = mesh.triangle_positions(triangle).map(|p| p.as_dvec3());
+                !holds_shape(corners, corners.map(|p| p + shift))
+            };
+            triangles.filter(is_imprecise).count() as u64
+        };
+        moved.map(|(mesh, _)| imprecise(mesh)).sum()
+    }
+
     /// The bounds, and the placements' numbers, those furthest from the middle first.
     pub fn extent(&self) -> Option<(Bounds, Vec<u32>)> {
         let own: Vec<Bounds> = self.meshes.iter().map(Mesh::bounds).collect();
@@ -165,6 +219,25 @@ mod tests {
             .collect();
         assert_eq!(parts.triangles(), 4);
         assert_eq!(of, [(1.0, true), (2.0, true), (3.0, true), (3.0, false)]);
+    }
+
+    #[test]
+    fn meshes_too_far_apart_to_share_an_origin_are_counted() {
+        let at = |x: f64| {
+            let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].map(|p| p + x * DVec3::X);
+            Mesh::new(corners.to_vec(), None, vec![[0, 1, 2]]).unwrap()
+        };
+        let imprecise = |meshes: Vec<Mesh>| Parts::from(meshes).imprecise_triangles();
+        assert_eq!(imprecise(vec![at(5e6)]), 0);
+        assert_eq!(imprecise(vec![at(5e6), at(5e6 + 10.0)]), 0);
+        assert_eq!(imprecise(vec![at(0.0), at(5e6)]), 1);
+        let far = vec![at(5e7), at(0.0), at(-5e7)];
+        assert_eq!(imprecise(far.clone()), 2);
+        // An instance has an origin of its own.
+        let mut parts = Parts::from(far);
+        parts.placements[0].to_user = DAffine3::from_translation(DVec3::Y);
+        assert_eq!(parts.imprecise_triangles(), 1);
+        assert_eq!(Parts::default().imprecise_triangles(), 0);
     }
 
     #[test]

@@ -14,7 +14,7 @@
 //! | `topology` | vertices at one place, shared edges, T-junctions |
 //! | `normals` | normals from a file or made from the triangles |
 //! | `report`, `raw_mesh`, `write_obj` | from what a file says to a mesh, and back |
-//! | `polygons`, `model` | polygons cut into triangles; a file's meshes and their instances |
+//! | `skipped`, `polygons`, `model` | wrong elements; polygons cut into triangles; a file's meshes and their instances |
 //! | `formats` | one reader a file format |
 //! | `loader` | the way in |
 //!
@@ -34,6 +34,7 @@ mod polygons;
 mod raw_mesh;
 mod report;
 mod scenery;
+mod skipped;
 mod topology;
 mod vertex_order;
 mod write_obj;

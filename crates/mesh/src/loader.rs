@@ -79,6 +79,7 @@ pub struct LoadedParts {
 #[must_use]
 pub struct Loader<'a> {
     normals: NormalOptions,
+    lenient: bool,
     progress: Option<Progress<'a>>,
 }
 
@@ -98,6 +99,13 @@ impl<'a> Loader<'a> {
     /// [`NormalOptions::crease_angle_degrees`].
     pub fn crease_angle_degrees(mut self, degrees: f32) -> Loader<'a> {
         self.normals.crease_angle_degrees = Some(degrees);
+        self
+    }
+
+    /// Skips faces, corners' normals, facets and primitives that are wrong, counts them in
+    /// [`LoadReport::skipped_faults`] and warns of them. Without, the first of them is an error.
+    pub fn lenient(mut self, lenient: bool) -> Loader<'a> {
+        self.lenient = lenient;
         self
     }
 
@@ -186,7 +194,9 @@ impl<'a> Loader<'a> {
     }
 
     fn parse(&self, bytes: Vec<u8>, path: &Path) -> Result<Parsed, LoadError> {
-        let parsed = formats::read(bytes, path, &|share| self.report_progress(READING * share))?;
+        let parsed = formats::read(bytes, path, self.lenient, &|share| {
+            self.report_progress(READING * share);
+        })?;
         self.report_progress(READING);
         Ok(parsed)
     }
@@ -255,6 +265,38 @@ mod tests {
         assert_eq!(
             [hard(30.0), hard(44.9), hard(45.1), hard(180.0)],
             [1, 1, 0, 0]
+        );
+    }
+
+    #[test]
+    fn a_mesh_without_any_area_is_told() {
+        let text = "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 2\n";
+        let warnings = |text: &str| {
+            let whole = Loader::new().load_bytes(text.into(), "x.obj").unwrap();
+            let parts = Loader::new().load_parts_bytes(text.into(), "x.obj".as_ref());
+            assert_eq!(parts.unwrap().report, whole.report);
+            whole.report.warnings
+        };
+        let expected = "none of the 2 triangles has an area: there is nothing to see";
+        assert_eq!(warnings(text), [expected]);
+        let one = text.replace("v 2 0 0", "v 2 1 0");
+        assert_eq!(warnings(&one), [] as [String; 0]);
+    }
+
+    #[test]
+    fn parts_too_far_apart_are_told() {
+        let far = "v 456789.25 5123456.5 314.25\nv 456789.35 5123456.5 314.25\n\
+                   v 456789.25 5123456.6 314.25\nf 4 5 6\n";
+        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n{far}");
+        let report = Loader::new()
+            .load_bytes(text.into(), "x.obj")
+            .unwrap()
+            .report;
+        assert_eq!(report.imprecise_triangles, 1);
+        assert!(
+            report.warnings[0].starts_with("1 triangle lies so far"),
+            "{:?}",
+            report.warnings
         );
     }
 }

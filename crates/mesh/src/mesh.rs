@@ -8,6 +8,21 @@ use crate::bounds::Bounds;
 /// hard edge of what is meant to be smooth.
 pub(crate) const SAME_NORMAL_ANGLE: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
+/// How far rounding may move the corners of a triangle, as a share of its longest edge.
+const MOST_ROUNDING: f64 = 0.05;
+
+/// Whether single precision around a local origin keeps the shape of a triangle with these corners,
+/// which are at these places around the origin. A triangle without size has no shape to lose.
+pub(crate) fn holds_shape(corners: [DVec3; 3], around_origin: [DVec3; 3]) -> bool {
+    let [a, b, c] = corners;
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+    let reach = around_origin
+        .iter()
+        .fold(0.0, |reach: f64, p| reach.max(p.abs().max_element()));
+    let rounding = 0.5 * f64::from(f32::EPSILON) * reach;
+    longest == 0.0 || rounding <= MOST_ROUNDING * longest
+}
+
 /// A triangle mesh with unit vertex normals and one index for both.
 ///
 /// - Vertices are distinct in (position, normal): two corners share a vertex exactly if both agree

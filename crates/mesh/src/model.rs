@@ -155,7 +155,7 @@ fn append(
 
 /// The matrix of cofactors, turned so that fronts stay fronts: it is the inverse's transpose up to
 /// a positive factor, and exists where that does not.
-fn normal_matrix(m: DMat3) -> DMat3 {
+pub(crate) fn normal_matrix(m: DMat3) -> DMat3 {
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis];
     let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
     if m.determinant() < 0.0 {
@@ -166,7 +166,7 @@ fn normal_matrix(m: DMat3) -> DMat3 {
 }
 
 /// A normal under a normal matrix, as long as it was: its length is checked later.
-fn turn_normal(turn: DMat3, normal: DVec3) -> DVec3 {
+pub(crate) fn turn_normal(turn: DMat3, normal: DVec3) -> DVec3 {
     let turned = turn * normal;
     let length = turned.length();
     if length > 0.0 {

@@ -4,11 +4,11 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::bounds::Bounds;
-use crate::error::{MAX_COORDINATE, MeshError, check_sizes};
-use crate::mesh::Mesh;
-use crate::normals::{self, NO_NORMAL, NormalOptions, NormalsPolicy};
+use crate::error::{MeshError, check_position, check_sizes};
+use crate::mesh::{Mesh, holds_shape};
+use crate::normals::{self, GivenNormals, NO_NORMAL, NormalOptions, NormalsPolicy};
 use crate::report::LoadReport;
-use crate::topology::{snap, weld};
+use crate::topology::{count_degenerate, snap, weld};
 
 /// Triangles as a file has them: positions and normals with an index each. Every reader makes one.
 ///
@@ -21,6 +21,7 @@ use crate::topology::{snap, weld};
 ///     corners: vec![[0, 1, 2]],
 ///     normals: vec![DVec3::Z],
 ///     normal_corners: Some(vec![[0, 0, NO_NORMAL]]),
+///     smoothing_groups: None,
 /// };
 /// let (mesh, report) = raw.into_mesh(&NormalOptions::default())?;
 /// assert_eq!((report.normals.stored, report.normals.made), (2, 1));
@@ -38,6 +39,9 @@ pub struct RawMesh {
     /// The normals of the triangles' corners ([`NO_NORMAL`] where there is none), or `None` if no
     /// corner has one.
     pub normal_corners: Option<Vec<[u32; 3]>>,
+    /// The smoothing group of each triangle, or `None` if the file knows none. Made normals are
+    /// smooth across edges whose two triangles are of the same group. Group 0 is smooth nowhere.
+    pub smoothing_groups: Option<Vec<u32>>,
 }
 
 impl RawMesh {
@@ -49,8 +53,12 @@ impl RawMesh {
     ///
     /// [`MeshError`]; see its variants.
     pub fn into_mesh(self, options: &NormalOptions) -> Result<(Mesh, LoadReport), MeshError> {
-        self.check()?;
-        let origin = local_origin(&self.positions);
+        let used = self.check()?;
+        let used_positions = || self.positions.iter().zip(&used).filter(|(_, used)| **used);
+        let origin = Bounds::around(used_positions().map(|(&p, _)| p)).local_origin();
+        let unused_vertices = (self.positions.len() - used_positions().count()) as u64;
+        drop(used);
+        let imprecise_triangles = count_imprecise(&self.positions, &self.corners, origin);
         // Adding zero turns -0 into +0, so that equal positions have equal bits.
         let positions: Vec<Vec3> = self
             .positions
@@ -70,8 +78,11 @@ impl RawMesh {
             .for_each(|t| *t = t.map(|v| place_of[v as usize]));
         drop(place_of);
         let snapped = snap(&places, &mut corners);
-        let stored = self.normal_corners.as_deref().map(|c| (&*self.normals, c));
-        let vertices = normals::assign(&places, &corners, stored, options);
+        let given = GivenNormals {
+            stored: self.normal_corners.as_deref().map(|c| (&*self.normals, c)),
+            smoothing_groups: self.smoothing_groups.as_deref(),
+        };
+        let vertices = normals::assign(&places, &corners, given, options);
         let mesh = Mesh {
             origin,
             positions: vertices.positions,
@@ -79,6 +90,10 @@ impl RawMesh {
             triangles: vertices.triangles,
         };
         let report = LoadReport {
+            triangles: mesh.triangles().len() as u64,
+            degenerate_triangles: count_degenerate(&mesh),
+            imprecise_triangles,
+            unused_vertices,
             snapped,
             normals: vertices.report,
             ..LoadReport::default()
@@ -86,21 +101,16 @@ impl RawMesh {
         Ok((mesh, report))
     }
 
-    fn check(&self) -> Result<(), MeshError> {
+    /// Checks what the triangles name; which vertices that is.
+    fn check(&self) -> Result<Vec<bool>, MeshError> {
         let indices = 3 * self.corners.len() as u64;
         if indices == 0 {
-            return Err(MeshError::Empty);
+            return Err(match self.positions.len() {
+                0 => MeshError::Empty,
+                points => MeshError::NoFaces { points },
+            });
         }
         check_sizes(indices, self.positions.len().max(self.normals.len()) as u64)?;
-        for (vertex, p) in self.positions.iter().enumerate() {
-            let DVec3 { x, y, z } = *p;
-            if !p.is_finite() {
-                return Err(MeshError::NotFinite { vertex, x, y, z });
-            }
-            if p.abs().max_element() > MAX_COORDINATE {
-                return Err(MeshError::TooFar { vertex, x, y, z });
-            }
-        }
         let vertices = self.positions.len();
         if let Some((face, index)) = out_of_range(&self.corners, vertices, None) {
             return Err(MeshError::VertexOutOfRange {
@@ -109,7 +119,18 @@ impl RawMesh {
                 vertices,
             });
         }
-        self.check_normals()
+        let mut used = vec![false; vertices];
+        for &corner in self.corners.as_flattened() {
+            used[corner as usize] = true;
+        }
+        // What no triangle names may be anything: scans have invalid points, exporters stray ones.
+        let of_used = self.positions.iter().enumerate().zip(&used);
+        for ((vertex, &position), _) in of_used.filter(|(_, used)| **used) {
+            check_position(vertex, position)?;
+        }
+        self.check_normals()?;
+        self.check_groups()?;
+        Ok(used)
     }
 
     fn check_normals(&self) -> Result<(), MeshError> {
@@ -130,6 +151,16 @@ impl RawMesh {
                 normals,
             }),
             None => Ok(()),
+        }
+    }
+
+    fn check_groups(&self) -> Result<(), MeshError> {
+        match &self.smoothing_groups {
+            Some(groups) if groups.len() != self.corners.len() => Err(MeshError::GroupCount {
+                groups: groups.len(),
+                triangles: self.corners.len(),
+            }),
+            _ => Ok(()),
         }
     }
 }
@@ -167,6 +198,7 @@ impl Mesh {
             corners: triangles,
             normals: normals.unwrap_or_default(),
             normal_corners,
+            smoothing_groups: None,
         };
         let options = NormalOptions {
             // Who has the normals at hand means them.
@@ -187,14 +219,14 @@ fn out_of_range(faces: &[[u32; 3]], count: usize, allowed: Option<u32>) -> Optio
     })
 }
 
-/// Zero, or for meshes far out (see [`Mesh`]) a point near the centre.
-fn local_origin(positions: &[DVec3]) -> DVec3 {
-    let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for &p in positions {
-        min = min.min(p);
-        max = max.max(p);
-    }
-    Bounds { min, max }.local_origin()
+/// Triangles whose corners single precision around this origin moves by more than a twentieth of
+/// their longest edge.
+fn count_imprecise(positions: &[DVec3], triangles: &[[u32; 3]], origin: DVec3) -> u64 {
+    let is_imprecise = |t: &&[u32; 3]| {
+        let corners = t.map(|v| positions[v as usize]);
+        !holds_shape(corners, corners.map(|p| p - origin))
+    };
+    triangles.par_iter().filter(is_imprecise).count() as u64
 }
 
 #[cfg(test)]
@@ -236,13 +268,80 @@ mod tests {
     #[test]
     fn the_origin_stays_zero_near_it_and_is_exact_far_out() {
         let cube = [DVec3::ZERO, DVec3::ONE];
-        assert_eq!(local_origin(&cube), DVec3::ZERO);
-        assert_eq!(local_origin(&cube.map(|p| p + 10.0)), DVec3::ZERO);
+        let origin = |points: [DVec3; 2]| Bounds::around(points).local_origin();
+        assert_eq!(origin(cube), DVec3::ZERO);
+        assert_eq!(origin(cube.map(|p| p + 10.0)), DVec3::ZERO);
+        assert_eq!(origin(cube.map(|p| p + 1e6)), DVec3::splat(1_000_001.0));
+        assert_eq!(origin([DVec3::splat(3.7); 2]), DVec3::splat(3.7));
+    }
+
+    #[test]
+    fn vertices_that_no_triangle_names_decide_nothing_and_are_counted() {
+        let far = DVec3::new(456_789.25, 5_123_456.5, 314.25);
+        for stray in [DVec3::ZERO, DVec3::NAN, DVec3::splat(1e300)] {
+            let mut raw = one_triangle();
+            raw.positions.iter_mut().for_each(|p| *p = 1e-3 * *p + far);
+            raw.positions.insert(1, stray);
+            raw.corners = vec![[0, 2, 3]];
+            let (mesh, report) = raw.into_mesh(&NormalOptions::default()).unwrap();
+            assert_eq!((report.unused_vertices, report.imprecise_triangles), (1, 0));
+            assert!(
+                mesh.bounds().min.distance(far) < 1e-9,
+                "{}",
+                mesh.bounds().min
+            );
+            assert!((mesh.bounds().diagonal() - 1e-3 * 2f64.sqrt()).abs() < 1e-9);
+            assert_eq!(mesh.positions().len(), 3);
+        }
+    }
+
+    #[test]
+    fn used_vertices_are_checked_wherever_they_are() {
+        for (bad, what) in [(f64::INFINITY, "is not finite"), (2e18, "lies too far out")] {
+            let mut raw = one_triangle();
+            raw.positions[2].y = bad;
+            let error = raw.into_mesh(&NormalOptions::default()).unwrap_err();
+            let start = format!("vertex 2 {what}");
+            assert!(error.to_string().starts_with(&start), "{error}");
+        }
+    }
+
+    #[test]
+    fn parts_too_far_apart_for_single_precision_are_counted() {
+        let far = DVec3::new(456_789.25, 5_123_456.5, 314.25);
+        let both = |away: DVec3| {
+            let mut raw = one_triangle();
+            raw.positions
+                .extend(one_triangle().positions.iter().map(|&p| p + away));
+            raw.corners.push([3, 4, 5]);
+            let (_, report) = raw.into_mesh(&NormalOptions::default()).unwrap();
+            report.imprecise_triangles
+        };
+        assert_eq!(both(far), 1);
+        assert_eq!(both(1e-3 * far), 0);
+    }
+
+    #[test]
+    fn points_alone_and_triangles_without_area_are_told() {
+        let mut raw = one_triangle();
+        raw.corners.clear();
+        let error = raw.into_mesh(&NormalOptions::default()).unwrap_err();
+        assert!(error.to_string().contains("3 points, no faces"), "{error}");
+        let mut raw = one_triangle();
+        raw.corners = vec![[0, 1, 1], [2, 2, 2]];
+        let (_, report) = raw.into_mesh(&NormalOptions::default()).unwrap();
+        assert_eq!((report.triangles, report.degenerate_triangles), (2, 2));
+    }
+
+    #[test]
+    fn smoothing_groups_must_be_as_many_as_triangles() {
+        let mut raw = one_triangle();
+        raw.smoothing_groups = Some(vec![1, 2]);
+        let error = raw.into_mesh(&NormalOptions::default()).unwrap_err();
         assert_eq!(
-            local_origin(&cube.map(|p| p + 1e6)),
-            DVec3::splat(1_000_001.0)
+            error.to_string(),
+            "2 smoothing groups do not match 1 triangles"
         );
-        assert_eq!(local_origin(&[DVec3::splat(3.7); 2]), DVec3::splat(3.7));
     }
 
     #[test]
@@ -252,6 +351,7 @@ mod tests {
             corners: vec![[0, 1, 2]],
             normals: vec![DVec3::new(-0.0, -0.0, 1.0)],
             normal_corners: Some(vec![[0, 0, 0]]),
+            ..RawMesh::default()
         };
         let mesh = raw.into_mesh(&NormalOptions::default()).unwrap().0;
         assert_eq!(mesh.positions[0].to_array().map(f32::to_bits), [0; 3]);
@@ -274,7 +374,7 @@ mod tests {
 
     #[test]
     fn an_empty_mesh_is_refused() {
-        let error = Mesh::new(square(), None, vec![]).unwrap_err();
+        let error = Mesh::new(vec![], None, vec![]).unwrap_err();
         assert_eq!(error.to_string(), "the mesh is empty: it has no triangles");
     }
 

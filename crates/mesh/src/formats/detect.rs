@@ -1,7 +1,7 @@
-//! Which format a file is of, by its content.
+//! Which format a file has, by its content.
 
-use super::stl::{stl_facets, stl_length};
-use super::text::is_utf16;
+use super::text::{contains_ignoring_case, first_line, length_without_padding, number};
+use super::{off, stl};
 
 /// A format that is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,69 +17,211 @@ pub(super) enum Format {
     Glb,
 }
 
-/// How files start that are no meshes or not read.
-const OTHERS: [(&[u8], &str); 7] = [
-    (b"PK\x03\x04", "this is a ZIP archive (3MF files are, too)"),
-    (b"Kaydara FBX", "this is an FBX file"),
-    (b"BLENDER", "this is a Blender file"),
-    (b"\x89PNG", "this is a PNG picture"),
-    (b"\xff\xd8\xff", "this is a JPEG picture"),
-    (b"7z\xbc\xaf", "this is a 7z archive"),
-    (b"<", "this is an XML file"),
+/// How files start that are no meshes or not read, in any case, and what they are.
+const OTHERS: [(&str, &str); 36] = [
+    (
+        "version https://git-lfs",
+        "this is a Git LFS pointer in place of the file; `git lfs pull` fetches the file itself",
+    ),
+    (
+        "ISO-10303-21",
+        "this is a STEP file; its program can export a mesh",
+    ),
+    ("#VRML", "this is a VRML file"),
+    ("#X3D", "this is an X3D file"),
+    ("#usda", "this is a USD file"),
+    ("PXR-USDC", "this is a USD file"),
+    ("; FBX", "this is an FBX file"),
+    ("Kaydara FBX", "this is an FBX file"),
+    ("BLENDER", "this is a Blender file; Blender can export it"),
+    (
+        "# .PCD",
+        "this is a point cloud (PCD); it has points, no faces",
+    ),
+    (
+        "LASF",
+        "this is a point cloud (LAS); it has points, no faces",
+    ),
+    ("# vtk DataFile", "this is a VTK file"),
+    ("$MeshFormat", "this is a Gmsh file"),
+    ("MeshVersionFormatted", "this is a Medit file"),
+    (
+        "3D Geometry File Format",
+        "this is a Rhino file; Rhino can export a mesh",
+    ),
+    (
+        "DBRep_DrawableShape",
+        "this is a BREP file; its program can export a mesh",
+    ),
+    (
+        "CASCADE Topology",
+        "this is a BREP file; its program can export a mesh",
+    ),
+    ("Ogawa", "this is an Alembic file"),
+    (
+        "DRACO",
+        "this is a Draco file; `draco_decoder` makes an OBJ or PLY file of it",
+    ),
+    (
+        "newmtl",
+        "this is a material library; the OBJ file that names it has the mesh",
+    ),
+    (
+        "PK\x03\x04",
+        "this is a ZIP archive (3MF and USDZ files are, too)",
+    ),
+    ("7z¼¯", "this is a 7z archive; unpack it first"),
+    ("Rar!", "this is a RAR archive; unpack it first"),
+    ("BZh", "this is packed by bzip2; unpack it first"),
+    ("ý7zXZ", "this is packed by xz; unpack it first"),
+    ("(µ/ý", "this is packed by Zstandard; unpack it first"),
+    (
+        "ÐÏ\x11à",
+        "this is a file of SolidWorks or another Windows program; export a mesh there",
+    ),
+    ("%PDF", "this is a PDF file"),
+    ("\u{89}PNG", "this is a PNG picture"),
+    ("ÿØÿ", "this is a JPEG picture"),
+    ("GIF8", "this is a GIF picture"),
+    ("<!DOCTYPE html", HTML),
+    ("<html", HTML),
+    ("<COLLADA", COLLADA),
+    ("<X3D", "this is an X3D file"),
+    ("<", "this is an XML file"),
 ];
+
+const HTML: &str = "this is a web page in place of the file; see what it says in a browser";
+const COLLADA: &str = "this is a COLLADA file";
+
+/// How many bytes at the start of an XML file are searched for its kind, which may come late.
+const XML_HEAD: usize = 1024;
+
+/// How much of a line is told.
+const LONGEST_QUOTE: usize = 40;
 
 /// The format of a file, or what it is instead. A name that ends in `.stl` only helps to recognise
 /// binary files that are cut off: those are known by their length.
-pub(super) fn detect(bytes: &[u8], named_stl: bool) -> Result<Format, &'static str> {
+pub(super) fn detect(bytes: &[u8], named_stl: bool) -> Result<Format, String> {
     if bytes.starts_with(b"glTF") {
         return Ok(Format::Glb);
     }
-    if let Some((_, what)) = OTHERS.iter().find(|(start, _)| bytes.starts_with(start)) {
-        return Err(what);
-    }
-    let word = first_word(bytes);
-    if word == b"ply" {
-        return Ok(Format::Ply);
-    }
-    if is_whole_stl(bytes) {
+    if stl::is_whole_binary(bytes) || named_stl && stl::is_empty_binary(bytes) {
         return Ok(Format::StlBinary);
     }
-    let is_text = is_utf16(bytes) || !bytes.contains(&0);
-    match word {
-        b"solid" | b"SOLID" | b"Solid" if is_text => Ok(Format::StlText),
-        _ if word.starts_with(b"{") && is_text => Ok(Format::Gltf),
-        _ if is_off_keyword(word) => Ok(Format::Off),
-        _ if is_text => Ok(Format::Obj),
-        _ if named_stl || word.starts_with(b"solid") => Ok(Format::StlBinary),
-        _ => Err("this is a binary file of an unknown format"),
+    if let Some(what) = other(bytes.trim_ascii_start()) {
+        return Err(what.into());
     }
+    let word = first_word(bytes);
+    if word.eq_ignore_ascii_case(b"ply") {
+        return Ok(Format::Ply);
+    }
+    let text = &bytes[..length_without_padding(bytes)];
+    let is_text = !text.contains(&0);
+    if stl::starts_as_text(word) && (is_text || stl::has_text_keywords(text)) {
+        return Ok(Format::StlText);
+    }
+    if off::is_keyword(word) {
+        return Ok(Format::Off);
+    }
+    if is_text {
+        return match word.first() {
+            Some(b'{') => Ok(Format::Gltf),
+            _ if is_obj(text) => Ok(Format::Obj),
+            _ => Err(unknown_text(text)),
+        };
+    }
+    if named_stl || stl::starts_as_text(word) {
+        return Ok(Format::StlBinary);
+    }
+    Err("this is a binary file of an unknown format".into())
+}
+
+/// What a file is that is not read.
+fn other(bytes: &[u8]) -> Option<&'static str> {
+    let starts = |start: &str| {
+        // The table's characters stand for bytes.
+        let mut start = start.chars().map(|c| c as u32 as u8);
+        let start: Vec<u8> = start.by_ref().collect();
+        let head = bytes.get(..start.len());
+        head.is_some_and(|head| head.eq_ignore_ascii_case(&start))
+    };
+    let (start, what) = OTHERS.iter().find(|(start, _)| starts(start))?;
+    if *start != "<" {
+        return Some(what);
+    }
+    let head = &bytes[..bytes.len().min(XML_HEAD)];
+    let inner = |tag: &&(&str, &str)| tag.0.starts_with('<') && contains_ignoring_case(head, tag.0);
+    // The last is any XML.
+    let (_, what) = OTHERS
+        .iter()
+        .find(inner)
+        .unwrap_or(&OTHERS[OTHERS.len() - 1]);
+    Some(what)
+}
+
+/// The lines that are neither blank nor start with `#`.
+fn lines(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let mut left = bytes;
+    let all = std::iter::from_fn(move || {
+        let (length, end) = first_line(left);
+        let line = &left[..length];
+        left = &left[length + end..];
+        (length + end > 0).then(|| line.trim_ascii())
+    });
+    all.filter(|line| !line.is_empty() && line[0] != b'#')
 }
 
 /// The first word outside comments.
 fn first_word(bytes: &[u8]) -> &[u8] {
-    let mut lines = bytes.split(|&b| b == b'\n' || b == b'\r');
-    lines
-        .find_map(|line| {
-            let line = line.trim_ascii_start();
-            let word = line.split(u8::is_ascii_whitespace).next()?;
-            (!word.is_empty() && word[0] != b'#').then_some(word)
-        })
+    let line = lines(bytes).next().unwrap_or_default();
+    line.split(u8::is_ascii_whitespace)
+        .next()
         .unwrap_or_default()
 }
 
-/// Whether the length is just what the number of facets in a binary STL's header asks for.
-fn is_whole_stl(bytes: &[u8]) -> bool {
-    stl_facets(bytes).is_some_and(|n| Some(bytes.len()) == stl_length(n))
+/// Whether a line starts with a keyword of OBJ that has to do with a surface.
+fn is_obj(text: &[u8]) -> bool {
+    const KEYWORDS: [&[u8]; 14] = [
+        b"v", b"f", b"vn", b"vt", b"vp", b"fo", b"l", b"p", b"curv", b"curv2", b"surf", b"o", b"g",
+        b"mtllib",
+    ];
+    lines(text).any(|line| {
+        let word = line.split(u8::is_ascii_whitespace).next();
+        word.is_some_and(|word| KEYWORDS.contains(&word))
+    })
 }
 
-/// Whether a word is the keyword of an OFF file, with what its vertices have: texture coordinates,
-/// colours, normals, four coordinates, or as many as a number says.
-pub(super) fn is_off_keyword(word: &[u8]) -> bool {
-    let word = word.strip_prefix(b"ST").unwrap_or(word);
-    let word = word.strip_prefix(b"C").unwrap_or(word);
-    let word = word.strip_prefix(b"N").unwrap_or(word);
-    let word = word.strip_prefix(b"4").unwrap_or(word);
-    word.strip_prefix(b"n").unwrap_or(word) == b"OFF"
+/// What a text is that is no mesh.
+fn unknown_text(text: &[u8]) -> String {
+    if text.trim_ascii().is_empty() {
+        return "the file is empty".into();
+    }
+    let points = || lines(text).filter(|line| is_point(line)).count();
+    // The first line may say how many there are, or name the columns.
+    if lines(text).skip(1).take(2).any(is_point) || lines(text).next().is_some_and(is_point) {
+        return format!(
+            "this is a point cloud (XYZ text): {} points, no faces",
+            points()
+        );
+    }
+    let all = text.split(|&byte| byte == b'\n' || byte == b'\r');
+    let mut first = all.map(<[u8]>::trim_ascii).filter(|line| !line.is_empty());
+    let line = String::from_utf8_lossy(first.next().unwrap_or_default());
+    let quote: String = line.chars().take(LONGEST_QUOTE).collect();
+    let more = if line.chars().nth(LONGEST_QUOTE).is_some() {
+        "..."
+    } else {
+        ""
+    };
+    format!("this is a text of an unknown format: it begins with {quote:?}{more}")
+}
+
+/// Whether a line is three numbers or more.
+fn is_point(line: &[u8]) -> bool {
+    let words = line.split(|byte| byte.is_ascii_whitespace() || b",;".contains(byte));
+    let mut words = words.filter(|word| !word.is_empty());
+    let is_number = |word: &[u8]| std::str::from_utf8(word).is_ok_and(|w| number(w).is_some());
+    words.clone().count() >= 3 && words.all(is_number)
 }
 
 #[cfg(test)]
@@ -95,19 +237,27 @@ mod tests {
     }
 
     #[test]
-    fn formats_are_told_by_content() {
+    fn formats_are_known_by_content() {
         let format = |bytes: &[u8]| detect(bytes, false);
         assert_eq!(format(b"ply\r\nformat ascii 1.0\n"), Ok(Format::Ply));
+        assert_eq!(format(b"PLY\nformat ascii 1.0\n"), Ok(Format::Ply));
         assert_eq!(format(b"solid x\nendsolid x\n"), Ok(Format::StlText));
+        assert_eq!(format(b"\nSOLID\nfacet\n"), Ok(Format::StlText));
         assert_eq!(format(b" {\"asset\": 1}"), Ok(Format::Gltf));
         assert_eq!(format(b"glTF\x02\0\0\0"), Ok(Format::Glb));
-        for off in ["OFF", "# by hand\n\nOFF BINARY", "STCN4nOFF", "COFF"] {
+        for off in [
+            "OFF",
+            "# by hand\n\nOFF BINARY",
+            "STCN4nOFF",
+            "NCOFF",
+            "off",
+            "OFF490 518 0",
+        ] {
             assert_eq!(format(off.as_bytes()), Ok(Format::Off), "{off}");
         }
-        assert_eq!(format(b"OFFICE"), Ok(Format::Obj));
         assert_eq!(format(b"v 0 0 0\n"), Ok(Format::Obj));
-        assert_eq!(format(b""), Ok(Format::Obj));
-        assert_eq!(format(b"\xff\xfev\0 \0"), Ok(Format::Obj));
+        assert_eq!(format(b"rubbish\rf 1 2 3"), Ok(Format::Obj));
+        assert_eq!(format(b"mtllib x\n\0\0\x1a"), Ok(Format::Obj));
     }
 
     #[test]
@@ -124,10 +274,42 @@ mod tests {
     }
 
     #[test]
-    fn other_files_are_named() {
-        let what = |bytes: &[u8]| detect(bytes, false).unwrap_err();
+    fn other_files_are_named_and_the_way_out_where_there_is_one() {
+        let what = |bytes: &[u8]| detect(bytes, true).unwrap_err();
         assert_eq!(what(b"<?xml version='1.0'?>"), "this is an XML file");
+        assert_eq!(
+            what(b"<?xml version='1.0'?>\n<collada>"),
+            "this is a COLLADA file"
+        );
+        assert!(what(b"<!doctype HTML>").contains("web page"));
         assert!(what(b"PK\x03\x04").contains("3MF"));
-        assert!(what(b"v 0 0 0\0").contains("unknown format"));
+        assert!(what(b"\xff\xd8\xff\xe0").contains("JPEG"));
+        assert!(what(b"\xd0\xcf\x11\xe0\xa1").contains("SolidWorks"));
+        assert!(what(b"version https://git-lfs.github.com/spec/v1\n").contains("git lfs pull"));
+        assert!(what(b"ISO-10303-21;\nHEADER;\n").contains("STEP"));
+        assert!(what(b"#VRML V2.0 utf8\n").contains("VRML"));
+        assert!(what(b"#usda 1.0\n").contains("USD"));
+        assert_eq!(what(b""), "the file is empty");
+        assert_eq!(what(b"\r\n \0\0"), "the file is empty");
+    }
+
+    #[test]
+    fn point_clouds_and_other_texts_are_told() {
+        let what = |text: &str| detect(text.as_bytes(), true).unwrap_err();
+        let cloud = "this is a point cloud (XYZ text): 3 points, no faces";
+        assert_eq!(what("0 0 0\n1 0 0 255\n\n# x\n0 1 nan\n"), cloud);
+        assert_eq!(what("3\r0 0 0\r1 0 0\r0 1 0\r"), cloud);
+        assert_eq!(what("x,y,z\n0,0,0\n1,0,0\n0,1,0"), cloud);
+        assert_eq!(
+            what("\n# dear all\nhello"),
+            "this is a text of an unknown format: it begins with \"# dear all\""
+        );
+        let long = what(&"a".repeat(100));
+        assert!(
+            long.ends_with(&format!("with \"{}\"...", "a".repeat(40))),
+            "{long}"
+        );
+        assert!(what("OFFICE hours").contains("OFFICE"));
+        assert!(what("coffee 1 2 3").contains("coffee"));
     }
 }

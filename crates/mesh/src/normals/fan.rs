@@ -19,6 +19,17 @@ struct Spoke {
     normal: DVec3,
     /// The angle at the corner; zero for a triangle too thin to have a normal.
     angle: f64,
+    triangle: u32,
+}
+
+/// Across which edges made normals are smooth.
+#[derive(Clone, Copy)]
+pub(super) enum Smoothness<'a> {
+    /// Those where the cosine of the dihedral angle is at least this.
+    Crease(f64),
+    /// Those whose two triangles are of the same group, other than 0. There is one for each
+    /// triangle.
+    Groups(&'a [u32]),
 }
 
 /// All corners at one position.
@@ -42,7 +53,11 @@ impl Fan {
             let [here, next, prev] = [t[k], t[(k + 1) % 3], t[(k + 2) % 3]];
             let p = [here, next, prev].map(|v| places[v as usize].as_dvec3());
             let (normal, angle) = face_at(p);
-            self.spokes.push(Spoke { normal, angle });
+            self.spokes.push(Spoke {
+                normal,
+                angle,
+                triangle: corner / 3,
+            });
             self.edges.push((next, false, i as u32));
             self.edges.push((prev, true, i as u32));
         }
@@ -50,10 +65,9 @@ impl Fan {
         self.groups.reset(corners.len());
     }
 
-    /// Joins the two faces of each edge whose dihedral angle's cosine is at least
-    /// `cos_crease` and whose windings agree. A triangle too thin to have a normal takes over
+    /// Joins the two faces of each edge that is smooth and at which their windings agree. A triangle too thin to have a normal takes over
     /// that of a neighbour, so that it does not separate the faces beside it.
-    pub(super) fn join(&mut self, cos_crease: f64) {
+    pub(super) fn join(&mut self, smoothness: Smoothness<'_>) {
         let edges = std::mem::take(&mut self.edges);
         for _ in 0..MAX_SPREADS {
             if !self.spread_normals(&edges) {
@@ -61,11 +75,15 @@ impl Fan {
             }
         }
         for_pairs(&edges, |a, b| {
-            let (na, nb) = (
-                self.spokes[a as usize].normal,
-                self.spokes[b as usize].normal,
-            );
-            if na.dot(nb) >= cos_crease {
+            let [one, other] = [a, b].map(|spoke| self.spokes[spoke as usize]);
+            let is_smooth = match smoothness {
+                Smoothness::Crease(cosine) => one.normal.dot(other.normal) >= cosine,
+                Smoothness::Groups(groups) => {
+                    let [one, other] = [one, other].map(|s| groups[s.triangle as usize]);
+                    one == other && one != 0
+                }
+            };
+            if is_smooth {
                 self.groups.unite(a, b);
             }
         });
@@ -175,7 +193,7 @@ mod tests {
             .collect();
         let mut fan = Fan::default();
         fan.gather(places, triangles, &corners);
-        fan.join(crease.to_radians().cos());
+        fan.join(Smoothness::Crease(crease.to_radians().cos()));
         let mut normals = vec![DVec3::ZERO; corners.len()];
         fan.replace_zeros(&mut normals);
         normals

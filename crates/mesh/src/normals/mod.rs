@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::mesh::SAME_NORMAL_ANGLE;
 use crate::topology::Groups;
-use fan::Fan;
+use fan::{Fan, Smoothness};
 use flat_walls::Walls;
 
 /// A stored normal whose length differs from 1 by more than this counts as renormalised.
@@ -54,7 +54,10 @@ pub struct NormalOptions {
     pub policy: NormalsPolicy,
     /// Where normals are made, faces whose dihedral angle (in degrees, 0 where they lie in one
     /// plane) is at most this are smoothed into each other. A greater angle makes a hard edge. From
-    /// 0 to 180; `None` is 30.
+    /// 0 to 180.
+    ///
+    /// `None` is 30, but where a file has smoothing groups and its normals are missing or not
+    /// wanted, the groups decide.
     pub crease_angle_degrees: Option<f32>,
 }
 
@@ -101,6 +104,8 @@ pub struct NormalsReport {
     pub stored: u64,
     /// Corners whose normal was made, because it is missing, unusable or not wanted.
     pub made: u64,
+    /// Corners whose normal was made as the file's smoothing groups say.
+    pub by_group: u64,
     /// Corners whose normal was made because the stored ones are flat on a curved wall
     /// ([`NormalsPolicy::Auto`]).
     pub faceted: u64,
@@ -118,6 +123,7 @@ impl NormalsReport {
         NormalsReport {
             stored: self.stored + other.stored,
             made: self.made + other.made,
+            by_group: self.by_group + other.by_group,
             faceted: self.faceted + other.faceted,
             unusable: self.unusable + other.unusable,
             renormalised: self.renormalised + other.renormalised,
@@ -137,6 +143,29 @@ pub(crate) struct Vertices {
 /// Stored normals and the corners' indices into them.
 pub(crate) type Stored<'a> = Option<(&'a [DVec3], &'a [[u32; 3]])>;
 
+/// What a file says of its normals.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct GivenNormals<'a> {
+    pub(crate) stored: Stored<'a>,
+    /// A number for each triangle.
+    pub(crate) smoothing_groups: Option<&'a [u32]>,
+}
+
+impl<'a> GivenNormals<'a> {
+    /// The groups, where they decide what is smooth: they do where the file has no normals or they
+    /// are not wanted, and no crease angle is given.
+    fn deciding_groups(&self, options: &NormalOptions) -> Option<&'a [u32]> {
+        let names_one = |(_, corners): (_, &[[u32; 3]])| {
+            let mut indices = corners.as_flattened().iter();
+            indices.any(|&index| index != NO_NORMAL)
+        };
+        let wants_made = options.policy == NormalsPolicy::Smooth;
+        let decide = wants_made || !self.stored.is_some_and(names_one);
+        self.smoothing_groups
+            .filter(|_| decide && options.crease_angle_degrees.is_none())
+    }
+}
+
 /// Gives each corner its normal and merges corners that agree in position and normal.
 ///
 /// `places` are distinct positions and `corners` index them; every index has been checked.
@@ -144,15 +173,18 @@ pub(crate) type Stored<'a> = Option<(&'a [DVec3], &'a [[u32; 3]])>;
 pub(crate) fn assign(
     places: &[Vec3],
     corners: &[[u32; 3]],
-    stored: Stored<'_>,
+    given: GivenNormals<'_>,
     options: &NormalOptions,
 ) -> Vertices {
+    let groups = given.deciding_groups(options);
     let cos_crease = cos_crease(
         options
             .crease_angle_degrees
             .unwrap_or(DEFAULT_CREASE_DEGREES),
     );
-    let stored = stored.filter(|_| options.policy != NormalsPolicy::Smooth);
+    let stored = given
+        .stored
+        .filter(|_| options.policy != NormalsPolicy::Smooth);
     let faceted = match stored {
         Some((normals, normal_corners)) if options.policy == NormalsPolicy::Auto => {
             let walls = Walls {
@@ -172,7 +204,10 @@ pub(crate) fn assign(
         corners,
         stored,
         faceted: faceted.as_deref(),
-        cos_crease,
+        smoothness: match groups {
+            Some(groups) => Smoothness::Groups(groups),
+            None => Smoothness::Crease(cos_crease),
+        },
         at_place: &at_place,
     };
     const PLACES_A_TASK: usize = 8192;
@@ -214,7 +249,7 @@ struct Assigner<'a> {
     stored: Stored<'a>,
     /// Triangles whose stored normals are flat on a curved wall.
     faceted: Option<&'a [bool]>,
-    cos_crease: f64,
+    smoothness: Smoothness<'a>,
     at_place: &'a Groups,
 }
 
@@ -248,11 +283,14 @@ impl Assigner<'_> {
         let made = normals.iter().filter(|n| **n == DVec3::ZERO).count() as u64;
         report.stored += normals.len() as u64 - made;
         report.made += made;
+        if let Smoothness::Groups(_) = self.smoothness {
+            report.by_group += made;
+        }
         if made == 0 {
             return;
         }
         fan.gather(self.places, self.corners, corners);
-        fan.join(self.cos_crease);
+        fan.join(self.smoothness);
         fan.replace_zeros(normals);
         for (&c, normal) in corners.iter().zip(normals) {
             if is_faceted(c) {

@@ -4,4 +4,4 @@ mod crossing;
 mod cutter;
 mod faces;
 
-pub(crate) use faces::Faces;
+pub(crate) use faces::{Attributes, Faces};

@@ -431,7 +431,8 @@ fn duplicates(uses: &[EdgeUse]) -> u64 {
     opposite.windows(2).filter(|w| w[0] == w[1]).count() as u64
 }
 
-fn count_degenerate(mesh: &Mesh) -> u64 {
+/// Triangles that are lower than what single precision leaves uncertain in their positions.
+pub(crate) fn count_degenerate(mesh: &Mesh) -> u64 {
     let triangles = (0..mesh.triangles.len()).into_par_iter();
     let degenerate = triangles.filter(|&t| is_degenerate(mesh.triangle_positions(t)));
     degenerate.count() as u64

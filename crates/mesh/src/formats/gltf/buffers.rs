@@ -1,9 +1,13 @@
 //! The numbers of a glTF file: buffers, and accessors into them.
 //!
 //! The `gltf` crate reads the JSON. Its own accessors trust lengths and indices (and `import`
-//! decodes all pictures), so numbers are taken out here, every range checked.
+//! decodes all pictures), so numbers are taken out here, every range checked. They are taken out
+//! one by one where they are needed: many primitives may share an accessor and use few of its
+//! elements each.
 
 use std::borrow::Cow;
+use std::cell::Cell;
+use std::collections::HashMap;
 use std::path::Path;
 
 use base64::Engine;
@@ -13,23 +17,27 @@ use gltf::json::buffer::{Buffer, View};
 use gltf::json::validation::Checked;
 use gltf::json::{Index, Root};
 
-/// The bytes of all buffers.
-pub(super) struct Buffers<'a> {
-    root: &'a Root,
-    bytes: Vec<Cow<'a, [u8]>>,
-    /// How many numbers of accessors not met before may still be taken out: they may overlap or make
-    /// zeros out of nothing, so that their length says nothing of what a file holds.
-    left: usize,
-    /// How many numbers may still be taken out of accessors again.
-    again: usize,
-    met: Vec<bool>,
-}
+use super::extensions;
 
 /// Numbers that any file may have.
 const MIN_NUMBERS: usize = 1 << 16;
 
-/// Numbers that any file may use again.
-const MAX_AGAIN: usize = 1 << 26;
+/// Corners that any file may use again.
+const MAX_AGAIN: usize = 1 << 24;
+
+/// The bytes of all buffers.
+pub(super) struct Buffers<'a> {
+    root: &'a Root,
+    /// `None` for a buffer that the file has no data for.
+    bytes: Vec<Option<Cow<'a, [u8]>>>,
+    /// Of each accessor the first that is the same.
+    first_same: Vec<usize>,
+    /// How many elements' numbers may still be looked up: accessors may overlap or make zeros out of
+    /// nothing, so that their length says nothing of what a file holds.
+    left: Cell<usize>,
+    /// How many corners may still be made of indices that have been used.
+    again: Cell<usize>,
+}
 
 impl<'a> Buffers<'a> {
     /// Gets all buffers: from the binary chunk, from the JSON itself, from files beside it.
@@ -38,73 +46,75 @@ impl<'a> Buffers<'a> {
         mut binary: Option<Cow<'a, [u8]>>,
         path: &Path,
     ) -> Result<Buffers<'a>, String> {
-        let mut bytes: Vec<Cow<'_, [u8]>> = Vec::with_capacity(root.buffers.len());
+        let mut bytes: Vec<Option<Cow<'_, [u8]>>> = Vec::with_capacity(root.buffers.len());
         for (index, buffer) in root.buffers.iter().enumerate() {
             let data = match &buffer.uri {
                 Some(uri) => {
-                    Cow::Owned(fetch(uri, path).map_err(|e| format!("buffer {index}: {e}"))?)
+                    let data = fetch(uri, path).map_err(|e| format!("buffer {index}: {e}"))?;
+                    Some(Cow::Owned(data))
                 }
-                None => binary.take().ok_or_else(|| {
-                    format!("buffer {index} has no data: neither a file nor a binary chunk")
-                })?,
+                // What nothing uses need not be there.
+                None => binary.take(),
             };
-            check_length(index, buffer, data.len())?;
+            if let Some(data) = &data {
+                check_length(index, buffer, data)?;
+            }
             bytes.push(data);
         }
-        let total: usize = bytes.iter().map(|b| b.len()).sum();
+        let total: usize = bytes.iter().flatten().map(|b| b.len()).sum();
         Ok(Buffers {
             root,
             bytes,
-            left: total.max(MIN_NUMBERS),
-            again: MAX_AGAIN,
-            met: vec![false; root.accessors.len()],
+            first_same: first_same(&root.accessors),
+            left: Cell::new(total.max(MIN_NUMBERS)),
+            again: Cell::new(MAX_AGAIN),
         })
     }
 
-    /// The vectors of an accessor.
-    pub(super) fn vectors(&mut self, index: Index<Accessor>) -> Result<Vec<[f64; 3]>, String> {
-        self.take(index, Type::Vec3)
+    /// The number of the first accessor that is the same.
+    pub(super) fn first_same(&self, index: Index<Accessor>) -> usize {
+        let index = index.value();
+        self.first_same.get(index).copied().unwrap_or(index)
     }
 
-    /// The indices of an accessor.
-    pub(super) fn indices(&mut self, index: Index<Accessor>) -> Result<Vec<u32>, String> {
-        let indices = self.take::<1>(index, Type::Scalar)?;
-        // Whole numbers of 32 bits are exact in double precision.
-        let index = |i: f64| (i >= 0.0).then_some(i as u32);
-        let indices = indices.iter().map(|&[i]| index(i));
-        indices
-            .collect::<Option<_>>()
-            .ok_or_else(|| "an index is negative".into())
+    /// Allows for a table of this many elements with so many numbers each.
+    pub(super) fn allow(&self, elements: usize, numbers: usize) -> Result<(), String> {
+        let left = self
+            .left
+            .get()
+            .checked_sub(elements.saturating_mul(numbers));
+        self.left.set(left.ok_or_else(|| {
+            format!("it promises {elements} elements, more than the buffers have bytes")
+        })?);
+        Ok(())
     }
 
-    fn take<const N: usize>(
-        &mut self,
+    /// Allows for so many corners of indices that have been used before.
+    pub(super) fn allow_again(&self, corners: usize) -> Result<(), String> {
+        let left = self.again.get().checked_sub(corners);
+        self.again.set(left.ok_or_else(|| {
+            format!("it uses {corners} corners again, too many; at most {MAX_AGAIN} may be")
+        })?);
+        Ok(())
+    }
+
+    /// The elements of an accessor that holds this type, of so many numbers.
+    pub(super) fn elements<const N: usize>(
+        &self,
         index: Index<Accessor>,
         wanted: Type,
-    ) -> Result<Vec<[f64; N]>, String> {
+    ) -> Result<Elements<'_, N>, String> {
         let named = |what: String| format!("accessor {}: {what}", index.value());
         let accessor = self.root.get(index);
         let accessor = accessor.ok_or_else(|| named("there is no such accessor".into()))?;
-        let count = usize::try_from(accessor.count.0).unwrap_or(usize::MAX);
-        let met = std::mem::replace(&mut self.met[index.value()], true);
-        let left = if met { &mut self.again } else { &mut self.left };
-        *left = left.checked_sub(count.saturating_mul(N)).ok_or_else(|| {
-            let what = if met {
-                "too much when used again"
-            } else {
-                "more than the buffers have bytes"
-            };
-            named(format!("it promises {count} elements, {what}"))
-        })?;
-        self.elements(accessor, count, wanted).map_err(named)
+        self.of_accessor(accessor, wanted).map_err(named)
     }
 
-    fn elements<const N: usize>(
+    fn of_accessor<const N: usize>(
         &self,
         accessor: &Accessor,
-        count: usize,
         wanted: Type,
-    ) -> Result<Vec<[f64; N]>, String> {
+    ) -> Result<Elements<'_, N>, String> {
         if accessor.type_ != Checked::Valid(wanted) {
             return Err(format!(
                 "it does not hold {wanted:?} elements, as it should"
@@ -117,13 +127,24 @@ impl<'a> Buffers<'a> {
             kind: component.0,
             normalized: accessor.normalized,
         };
-        let mut elements = match accessor.buffer_view {
+        let count = usize::try_from(accessor.count.0).unwrap_or(usize::MAX);
+        let column = match accessor.buffer_view {
             Some(view) => {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
-                self.column(view, offset, count, component)?
+                Some(self.column(view, offset, count, component)?)
             }
-            None if accessor.sparse.is_none() => return Err("it has no data".into()),
-            None => vec![[0.0; N]; count],
+            None if accessor.sparse.is_none() => {
+                return Err(match extensions::compression(self.root) {
+                    Some(name) => extensions::is_compressed(name),
+                    None => "it has no data".into(),
+                });
+            }
+            None => None,
+        };
+        let mut elements = Elements {
+            count,
+            column,
+            replaced: HashMap::new(),
         };
         if let Some(sparse) = &accessor.sparse {
             let changed = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
@@ -135,12 +156,16 @@ impl<'a> Buffers<'a> {
                 normalized: false,
             };
             let (at, offset) = (sparse.indices.buffer_view, sparse.indices.byte_offset.0);
-            let indices: Vec<[f64; 1]> = self.column(at, offset, changed, plain)?;
+            let indices: Column<'_, 1> = self.column(at, offset, changed, plain)?;
             let (at, offset) = (sparse.values.buffer_view, sparse.values.byte_offset.0);
-            let values = self.column(at, offset, changed, component)?;
-            for ([index], value) in indices.into_iter().zip(values) {
-                let element = elements.get_mut(index as usize);
-                *element.ok_or("a sparse index is out of range")? = value;
+            let values: Column<'_, N> = self.column(at, offset, changed, component)?;
+            self.allow(changed, N)?;
+            for k in 0..changed {
+                let [index] = indices.get(k);
+                if index < 0.0 || index >= count as f64 {
+                    return Err("a sparse index is out of range".into());
+                }
+                elements.replaced.insert(index as usize, values.get(k));
             }
         }
         Ok(elements)
@@ -153,33 +178,39 @@ impl<'a> Buffers<'a> {
         offset: u64,
         count: usize,
         component: Component,
-    ) -> Result<Vec<[f64; N]>, String> {
+    ) -> Result<Column<'_, N>, String> {
         let (bytes, stride) = self.view(view)?;
         let size = N * component.size();
         let stride = stride.unwrap_or(size);
         let too_short = || "it reaches beyond its buffer view".to_owned();
         let offset = usize::try_from(offset).map_err(|_| too_short())?;
-        if count == 0 {
-            return Ok(Vec::new());
-        }
-        let end = (count - 1)
+        let last = count.saturating_sub(1);
+        let end = last
             .checked_mul(stride)
             .and_then(|end| end.checked_add(size)?.checked_add(offset));
-        if stride == 0 || end.is_none_or(|end| end > bytes.len()) {
+        if count > 0 && (stride == 0 || end.is_none_or(|end| end > bytes.len())) {
             return Err(too_short());
         }
-        let element = |k: usize| {
-            let at = offset + k * stride;
-            std::array::from_fn(|i| component.read(&bytes[at + i * component.size()..]))
-        };
-        Ok((0..count).map(element).collect())
+        Ok(Column {
+            bytes: bytes.get(offset..).unwrap_or_default(),
+            stride,
+            component,
+        })
     }
 
     /// The bytes of a view and the distance of its elements, if it has one.
     fn view(&self, index: Index<View>) -> Result<(&[u8], Option<usize>), String> {
         let wrong = || format!("buffer view {} reaches beyond its buffer", index.value());
         let view = self.root.get(index).ok_or_else(wrong)?;
-        let bytes = self.bytes.get(view.buffer.value()).ok_or_else(wrong)?;
+        let buffer = view.buffer.value();
+        let bytes = self.bytes.get(buffer).ok_or_else(wrong)?;
+        let bytes = bytes.as_ref().ok_or_else(|| {
+            let what = format!("buffer {buffer} has no data: neither a file nor a binary chunk");
+            match extensions::compression(self.root) {
+                Some(name) => format!("{what}; {}", extensions::is_compressed(name)),
+                None => what,
+            }
+        })?;
         let start = view.byte_offset.unwrap_or_default().0;
         let end = start.checked_add(view.byte_length.0).ok_or_else(wrong)?;
         let [start, end] = [start, end].map(|at| usize::try_from(at).unwrap_or(usize::MAX));
@@ -188,14 +219,90 @@ impl<'a> Buffers<'a> {
     }
 }
 
-fn check_length(index: usize, buffer: &Buffer, length: usize) -> Result<(), String> {
-    let promised = buffer.byte_length.0;
+/// Of each accessor the number of the first that is the same: exporters repeat them.
+fn first_same(accessors: &[Accessor]) -> Vec<usize> {
+    let mut known = HashMap::new();
+    (accessors.iter().enumerate())
+        .map(|(number, accessor)| {
+            let (Checked::Valid(component), Checked::Valid(type_), Some(view), None) = (
+                accessor.component_type,
+                accessor.type_,
+                accessor.buffer_view,
+                &accessor.sparse,
+            ) else {
+                return number;
+            };
+            let key = (
+                view.value(),
+                accessor.byte_offset.unwrap_or_default().0,
+                accessor.count.0,
+                component.0.as_gl_enum(),
+                type_.multiplicity(),
+                accessor.normalized,
+            );
+            *known.entry(key).or_insert(number)
+        })
+        .collect()
+}
+
+fn check_length(index: usize, buffer: &Buffer, data: &[u8]) -> Result<(), String> {
+    let (promised, length) = (buffer.byte_length.0, data.len());
     if promised > length as u64 {
+        let hint = if data.starts_with(b"version https://git-lfs") {
+            ": it is a Git LFS pointer in place of the file; `git lfs pull` fetches the file itself"
+        } else {
+            ""
+        };
         return Err(format!(
-            "buffer {index} has {length} bytes instead of {promised}"
+            "buffer {index} has {length} bytes instead of {promised}{hint}"
         ));
     }
     Ok(())
+}
+
+/// The elements of an accessor, each of so many numbers.
+pub(super) struct Elements<'a, const N: usize> {
+    count: usize,
+    /// `None` for zeros.
+    column: Option<Column<'a, N>>,
+    /// Elements in place of those of the column.
+    replaced: HashMap<usize, [f64; N]>,
+}
+
+impl<const N: usize> Elements<'_, N> {
+    pub(super) fn len(&self) -> usize {
+        self.count
+    }
+
+    /// One of them.
+    ///
+    /// # Panics
+    ///
+    /// If there are not so many.
+    pub(super) fn get(&self, index: usize) -> [f64; N] {
+        assert!(index < self.count, "element {index} of {}", self.count);
+        if !self.replaced.is_empty()
+            && let Some(element) = self.replaced.get(&index)
+        {
+            return *element;
+        }
+        (self.column.as_ref()).map_or([0.0; N], |column| column.get(index))
+    }
+}
+
+/// Elements at equal distances. Their range has been checked.
+struct Column<'a, const N: usize> {
+    bytes: &'a [u8],
+    stride: usize,
+    component: Component,
+}
+
+impl<const N: usize> Column<'_, N> {
+    fn get(&self, index: usize) -> [f64; N] {
+        let bytes = &self.bytes[index * self.stride..];
+        let size = self.component.size();
+        std::array::from_fn(|i| self.component.read(&bytes[i * size..]))
+    }
 }
 
 /// How the numbers of an element are stored.

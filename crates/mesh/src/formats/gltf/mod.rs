@@ -1,55 +1,46 @@
 //! Reads glTF 2.0 files, JSON and binary.
 //!
-//! A mesh that is placed several times is read once; the model holds its placements.
+//! A mesh that is placed several times is read once; the model holds its placements. A mesh with a
+//! skin or morph targets is read once for each pose, as the file has it: by the joints' nodes and the
+//! default weights.
 
 mod buffers;
+mod extensions;
+mod meshes;
+mod nodes;
+mod pose;
 mod scenery;
 
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::Path;
 
-use gltf::json::mesh::{Mode, Primitive, Semantic};
+use glam::DAffine3;
+use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
-use gltf::json::{self, Index, Node, Root};
-
-use glam::{DAffine3, DMat4, DQuat, DVec3};
+use gltf::json::{self, Accessor, Index, Root};
 
 use super::Parsed;
 use crate::error::Fault;
 use crate::instances::Placement;
 use crate::model::Model;
-use crate::normals::NO_NORMAL;
-use crate::raw_mesh::RawMesh;
 use crate::report::LoadReport;
+use crate::skipped::Skipped;
 use buffers::Buffers;
-
-/// Extensions that say nothing of the surface's shape, or nothing that is not read.
-const HARMLESS: [&str; 10] = [
-    "KHR_materials_",
-    "KHR_texture_",
-    "EXT_texture_",
-    "KHR_lights_",
-    "EXT_lights_",
-    "KHR_animation_",
-    "KHR_xmp",
-    "KHR_mesh_quantization",
-    "MSFT_texture_",
-    "ADOBE_materials_",
-];
+use meshes::MeshReader;
+use nodes::WorldTransforms;
+use pose::Pose;
 
 /// Reads a glTF file, JSON or binary; `path` is for the files it names.
-pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Parsed, Fault> {
+pub(super) fn read(bytes: &[u8], path: &Path, skipped: Skipped) -> Result<Parsed, Fault> {
     let (json, binary) = split(bytes)?;
-    let root = Root::from_slice(&json).map_err(|error| {
-        let has_line = binary.is_none() && error.line() > 0;
-        Fault::Caused {
-            line: has_line.then(|| error.line()),
-            what: "the glTF's JSON is wrong".into(),
-            source: error.into(),
-        }
-    })?;
-    read_model(&root, binary, path).map_err(Fault::Content)
+    let root = match Root::from_slice(&json) {
+        Ok(root) if is_read(&root.asset.version) => root,
+        Ok(root) => return Err(Fault::Content(wrong_version(&root.asset.version))),
+        Err(error) => return Err(json_fault(&json, binary.is_some(), error)),
+    };
+    read_model(&root, binary, path, skipped)
 }
 
 /// A part of the file.
@@ -59,6 +50,9 @@ type Chunk<'a> = Cow<'a, [u8]>;
 fn split(bytes: &[u8]) -> Result<(Chunk<'_>, Option<Chunk<'_>>), Fault> {
     if !bytes.starts_with(b"glTF") {
         return Ok((bytes.into(), None));
+    }
+    if bytes[4..].starts_with(&1u32.to_le_bytes()) {
+        return Err(Fault::Content(wrong_version("1.0")));
     }
     // The crate takes the header's own length off the length it names.
     let length = bytes.get(8..12).and_then(|b| b.first_chunk());
@@ -74,313 +68,167 @@ fn split(bytes: &[u8]) -> Result<(Chunk<'_>, Option<Chunk<'_>>), Fault> {
     Ok((glb.json, glb.bin))
 }
 
-fn read_model(root: &Root, binary: Option<Cow<'_, [u8]>>, path: &Path) -> Result<Parsed, String> {
+fn is_read(version: &str) -> bool {
+    version.split('.').next() == Some("2")
+}
+
+fn wrong_version(version: &str) -> String {
+    let convert = if version.starts_with('1') {
+        "; convert it by `gltf-pipeline`, or open and export it anew"
+    } else {
+        ""
+    };
+    format!("this is glTF {version:.20}, but only glTF 2.0 is read{convert}")
+}
+
+/// Why the JSON is not glTF 2.0.
+fn json_fault(json: &[u8], is_binary: bool, error: json::Error) -> Fault {
+    let value: Option<json::Value> = json::deserialize::from_slice(json).ok();
+    let asset = value.as_ref().map(|value| value.get("asset"));
+    let version = asset.and_then(|asset| asset?.get("version")?.as_str());
+    if let Some(version) = version
+        && !is_read(version)
+    {
+        return Fault::Content(wrong_version(version));
+    }
+    if asset == Some(None) {
+        let what = "this is JSON, but no glTF: it has no \"asset\"";
+        return Fault::Content(what.into());
+    }
+    let has_line = !is_binary && error.line() > 0;
+    Fault::Caused {
+        line: has_line.then(|| error.line()),
+        what: "the glTF's JSON is wrong".into(),
+        source: error.into(),
+    }
+}
+
+fn read_model(
+    root: &Root,
+    binary: Option<Chunk<'_>>,
+    path: &Path,
+    skipped: Skipped,
+) -> Result<Parsed, Fault> {
     let mut report = LoadReport::default();
-    check_extensions(root, &mut report)?;
-    let mut buffers = Buffers::load(root, binary, path)?;
-    let nodes = place_nodes(root)?;
-    let scenery = scenery::read(root, &nodes, &mut report)?;
+    extensions::check(root, &mut report).map_err(Fault::Content)?;
+    let buffers = Buffers::load(root, binary, path).map_err(Fault::Content)?;
+    let nodes = nodes::place(root).map_err(Fault::Content)?;
+    let scenery = scenery::read(root, &nodes, &mut report).map_err(Fault::Content)?;
+    let mut reader = MeshReader::new(&buffers, skipped);
+    reader.report = report;
+    let model = read_meshes(root, &nodes, &buffers, &mut reader)?;
+    let mut report = reader.report.clone();
+    report.unused_vertices = reader.unused_vertices();
+    let parsed = Parsed {
+        model,
+        scenery,
+        report,
+    };
+    parsed.with_skipped(reader.skipped)
+}
+
+/// Reads what the scene's nodes have, each mesh once in each pose.
+fn read_meshes(
+    root: &Root,
+    nodes: &[(usize, DAffine3)],
+    buffers: &Buffers<'_>,
+    reader: &mut MeshReader<'_>,
+) -> Result<Model, Fault> {
     let mut model = Model::default();
-    let mut part_of: HashMap<Shape, usize> = HashMap::new();
-    for &(node, to_user) in &nodes {
-        let Some(index) = root.nodes[node].mesh else {
+    let mut part_of: HashMap<Vec<u64>, usize> = HashMap::new();
+    let mut world = WorldTransforms::new(root, nodes);
+    let mut skins = HashMap::new();
+    let mut without_joints = 0_u64;
+    for &(number, to_user) in nodes {
+        let node = &root.nodes[number];
+        let Some(index) = node.mesh else {
             continue;
         };
         let mesh = root.get(index);
-        let mesh = mesh.ok_or_else(|| format!("there is no mesh {}", index.value()))?;
-        let shape = shape(mesh);
+        let mesh =
+            mesh.ok_or_else(|| Fault::Content(format!("there is no mesh {}", index.value())))?;
+        let mut pose = Pose {
+            weights: pose::weights(node, mesh),
+            skin: None,
+        };
+        // The node's own transform does not matter then.
+        let mut placement = to_user;
+        match node.skin.map(|skin| skin.value()) {
+            Some(skin) if pose::has_joints(mesh) => {
+                let matrices = match skins.entry(skin) {
+                    Entry::Occupied(known) => known.into_mut(),
+                    Entry::Vacant(new) => {
+                        let matrices = pose::joint_matrices(root, skin, buffers, &mut world);
+                        new.insert(matrices.map_err(Fault::Content)?)
+                    }
+                };
+                pose.skin = Some((skin, matrices.clone()));
+                placement = DAffine3::IDENTITY;
+            }
+            Some(_) => without_joints += 1,
+            None => {}
+        }
+        let shape = shape(mesh, &pose, buffers);
         let part = match part_of.get(&shape) {
             Some(&part) => part,
             None => {
-                let part = read_mesh(index.value(), mesh, &mut buffers, &mut report)?;
-                model.parts.push(part);
+                model.parts.push(reader.read(index.value(), mesh, &pose)?);
                 part_of.insert(shape, model.parts.len() - 1);
                 model.parts.len() - 1
             }
         };
-        model.placements.push(Placement { part, to_user });
-    }
-    warn_of_poses(root, &nodes, &mut report);
-    Ok(Parsed {
-        model,
-        scenery,
-        report,
-    })
-}
-
-fn check_extensions(root: &Root, report: &mut LoadReport) -> Result<(), String> {
-    let is_harmless = |name: &str| HARMLESS.iter().any(|start| name.starts_with(start));
-    for name in &root.extensions_required {
-        if !is_harmless(name) {
-            return Err(format!(
-                "it needs the glTF extension {name}, which is not read; export it without"
-            ));
-        }
-    }
-    if root
-        .extensions_used
-        .iter()
-        .any(|e| e == "EXT_mesh_gpu_instancing")
-    {
-        let what = "copies made by EXT_mesh_gpu_instancing are not read";
-        report.warnings.push(what.into());
-    }
-    Ok(())
-}
-
-/// Warns of what the file says about its meshes' pose and is not read.
-fn warn_of_poses(root: &Root, nodes: &[(usize, DAffine3)], report: &mut LoadReport) {
-    let used = || nodes.iter().map(|&(node, _)| &root.nodes[node]);
-    if used().any(|node| node.mesh.is_some() && node.skin.is_some()) {
-        let what = "the mesh has a skeleton; it is read as it was built, without its pose";
-        report.warnings.push(what.into());
-    }
-    let is_morphed = |node: &Node| {
-        let mesh = node.mesh.and_then(|mesh| root.get(mesh));
-        let weights = node.weights.as_ref();
-        let weights = weights.or(mesh.and_then(|mesh| mesh.weights.as_ref()));
-        weights.is_some_and(|weights| weights.iter().any(|&w| w != 0.0))
-    };
-    if used().any(is_morphed) {
-        let what = "the mesh has morph targets; it is read without them";
-        report.warnings.push(what.into());
-    }
-}
-
-/// The nodes of the scene and where they are.
-fn place_nodes(root: &Root) -> Result<Vec<(usize, DAffine3)>, String> {
-    let mut left: Vec<(usize, DAffine3)> = Vec::new();
-    left.extend(
-        roots(root)?
-            .into_iter()
-            .rev()
-            .map(|n| (n, DAffine3::IDENTITY)),
-    );
-    let mut seen = vec![false; root.nodes.len()];
-    let mut placed = Vec::new();
-    while let Some((index, parent)) = left.pop() {
-        let node = root.nodes.get(index);
-        let node = node.ok_or_else(|| format!("there is no node {index}"))?;
-        if std::mem::replace(&mut seen[index], true) {
-            return Err(format!("node {index} has two parents or is its own"));
-        }
-        let to_scene = parent * transform(node);
-        placed.push((index, to_scene));
-        let children = node.children.iter().flatten().rev();
-        left.extend(children.map(|child| (child.value(), to_scene)));
-    }
-    Ok(placed)
-}
-
-/// The nodes at the top: those of the default scene, or the first, or those without a parent.
-fn roots(root: &Root) -> Result<Vec<usize>, String> {
-    let scene = root.scene.map_or(0, |scene| scene.value());
-    let values = |nodes: &[Index<Node>]| nodes.iter().map(|n| n.value()).collect();
-    match root.scenes.get(scene) {
-        Some(scene) => Ok(values(&scene.nodes)),
-        None if root.scene.is_some() => Err(format!("there is no scene {scene}")),
-        None => {
-            let mut is_child = vec![false; root.nodes.len()];
-            for child in root.nodes.iter().flat_map(|n| n.children.iter().flatten()) {
-                if let Some(mark) = is_child.get_mut(child.value()) {
-                    *mark = true;
-                }
-            }
-            Ok((0..root.nodes.len()).filter(|&n| !is_child[n]).collect())
-        }
-    }
-}
-
-/// From a node's space to its parent's.
-fn transform(node: &Node) -> DAffine3 {
-    if let Some(matrix) = &node.matrix {
-        return DAffine3::from_mat4(DMat4::from_cols_array(&matrix.map(f64::from)));
-    }
-    let vector = |v: [f32; 3]| DVec3::from(v.map(f64::from));
-    let scale = node.scale.map_or(DVec3::ONE, vector);
-    let rotation = node
-        .rotation
-        .map_or(DQuat::IDENTITY, |json::scene::UnitQuaternion(q)| {
-            let q = DQuat::from_array(q.map(f64::from));
-            // A file's four single-precision numbers are of length one only nearly.
-            if q.length_squared() > 0.0 {
-                q.normalize()
-            } else {
-                DQuat::IDENTITY
-            }
+        model.placements.push(Placement {
+            part,
+            to_user: placement,
         });
-    let translation = node.translation.map_or(DVec3::ZERO, vector);
-    DAffine3::from_scale_rotation_translation(scale, rotation, translation)
+    }
+    if without_joints > 0 {
+        reader.report.warnings.push(format!(
+            "{without_joints} meshes with a skin do not say which joints move them; they are where \
+             their nodes are"
+        ));
+    }
+    Ok(model)
 }
 
-/// What makes a primitive's shape: accessors of positions, normals and indices, and the mode.
-type Shape = Vec<([Option<usize>; 3], Option<u32>)>;
+/// The accessor of an attribute.
+fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {
+    let attributes = &primitive.attributes;
+    attributes.get(&Checked::Valid(semantic)).copied()
+}
 
-/// The shape of a mesh. Meshes that differ by material only have the same.
-fn shape(mesh: &json::Mesh) -> Shape {
-    let of = |primitive: &Primitive| {
-        let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
-        let accessors = [
-            attribute(Semantic::Positions),
-            attribute(Semantic::Normals),
-            primitive.indices,
-        ];
-        let mode = match primitive.mode {
-            Checked::Valid(mode) => Some(mode.as_gl_enum()),
-            Checked::Invalid => None,
-        };
-        (accessors.map(|a| a.map(|a| a.value())), mode)
+/// What makes the shape of a mesh in a pose: the accessors and modes of its primitives. Meshes that
+/// differ by material only have the same.
+fn shape(mesh: &json::Mesh, pose: &Pose, buffers: &Buffers<'_>) -> Vec<u64> {
+    const NONE: u64 = u64::MAX;
+    let number = |accessor: Option<Index<Accessor>>| {
+        accessor.map_or(NONE, |accessor| buffers.first_same(accessor) as u64)
     };
-    mesh.primitives.iter().map(of).collect()
-}
-
-/// Reads a mesh with all its primitives. Primitives may share their vertices.
-fn read_mesh(
-    index: usize,
-    mesh: &json::Mesh,
-    buffers: &mut Buffers<'_>,
-    report: &mut LoadReport,
-) -> Result<RawMesh, String> {
-    let mut builder = PartBuilder::default();
-    for (number, primitive) in mesh.primitives.iter().enumerate() {
-        let named = |what: String| {
-            let name = mesh.name.as_deref().unwrap_or_default();
-            format!("mesh {index} {name:?}, primitive {number}: {what}")
-        };
-        builder.add(primitive, buffers, report).map_err(named)?;
+    let mut shape = vec![pose.skin.as_ref().map_or(NONE, |(skin, _)| *skin as u64)];
+    shape.push(pose.weights.len() as u64);
+    shape.extend(pose.weights.iter().map(|weight| weight.to_bits()));
+    for primitive in &mesh.primitives {
+        shape.extend([
+            number(attribute(primitive, Semantic::Positions)),
+            number(attribute(primitive, Semantic::Normals)),
+            number(primitive.indices),
+            match primitive.mode {
+                Checked::Valid(mode) => mode.as_gl_enum().into(),
+                Checked::Invalid => NONE,
+            },
+        ]);
+        if !pose.weights.is_empty() {
+            let targets = primitive.targets.iter().flatten();
+            shape.extend(targets.flat_map(|t| [t.positions, t.normals].map(number)));
+            shape.push(NONE);
+        }
+        if pose.skin.is_some() {
+            let influences = pose::influence_accessors(primitive);
+            shape.extend(influences.flat_map(|both| both.map(|a| number(Some(a)))));
+            shape.push(NONE);
+        }
     }
-    Ok(builder.finish())
-}
-
-/// The primitives of a mesh on their way into one.
-#[derive(Default)]
-struct PartBuilder {
-    raw: RawMesh,
-    normal_corners: Vec<[u32; 3]>,
-    /// Where the elements of an accessor start, and how many there are.
-    positions: HashMap<usize, (u32, usize)>,
-    normals: HashMap<usize, (u32, usize)>,
-}
-
-impl PartBuilder {
-    fn add(
-        &mut self,
-        primitive: &Primitive,
-        buffers: &mut Buffers<'_>,
-        report: &mut LoadReport,
-    ) -> Result<(), String> {
-        let mode = match primitive.mode {
-            Checked::Valid(mode) => mode,
-            Checked::Invalid => return Err("its mode is unknown".into()),
-        };
-        if !matches!(
-            mode,
-            Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan
-        ) {
-            report.skipped_elements += 1;
-            return Ok(());
-        }
-        let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
-        let positions = attribute(Semantic::Positions).ok_or("it has no positions")?;
-        let (first, count) = append(
-            positions,
-            &mut self.positions,
-            &mut self.raw.positions,
-            buffers,
-        )?;
-        let own = &self.raw.positions[first as usize..][..count];
-        if let Some((vertex, DVec3 { x, y, z })) =
-            own.iter().enumerate().find(|(_, p)| !p.is_finite())
-        {
-            return Err(format!("vertex {vertex} is not finite: {x} {y} {z}"));
-        }
-        let normals = match attribute(Semantic::Normals) {
-            Some(normals) => Some(append(
-                normals,
-                &mut self.normals,
-                &mut self.raw.normals,
-                buffers,
-            )?),
-            None => None,
-        };
-        if let Some((_, normals)) = normals
-            && normals != count
-        {
-            return Err(format!("it has {normals} normals for {count} positions"));
-        }
-        let order = match primitive.indices {
-            Some(indices) => buffers.indices(indices)?,
-            None => (0..count as u32).collect(),
-        };
-        if let Some(index) = order.iter().find(|&&i| i as usize >= count) {
-            return Err(format!(
-                "it names vertex {index}, but there are only {count} (0 is the first)"
-            ));
-        }
-        if mode == Mode::Triangles && order.len() % 3 != 0 {
-            return Err(format!(
-                "its {} corners are no whole triangles",
-                order.len()
-            ));
-        }
-        for t in triangles(mode, &order) {
-            self.raw.corners.push(t.map(|i| first + i));
-            self.normal_corners
-                .push(t.map(|i| normals.map_or(NO_NORMAL, |(n, _)| n + i)));
-            report.polygons += 1;
-        }
-        Ok(())
-    }
-
-    fn finish(self) -> RawMesh {
-        let mut raw = self.raw;
-        raw.normal_corners = (!raw.normals.is_empty()).then_some(self.normal_corners);
-        raw
-    }
-}
-
-/// Puts an accessor's vectors behind those there are, once.
-fn append(
-    accessor: Index<json::Accessor>,
-    known: &mut HashMap<usize, (u32, usize)>,
-    vectors: &mut Vec<DVec3>,
-    buffers: &mut Buffers<'_>,
-) -> Result<(u32, usize), String> {
-    if let Some(&range) = known.get(&accessor.value()) {
-        return Ok(range);
-    }
-    let new = buffers.vectors(accessor)?;
-    let first = u32::try_from(vectors.len());
-    let first = first.map_err(|_| "the mesh has too many vertices".to_owned())?;
-    let range = (first, new.len());
-    vectors.extend(new.into_iter().map(DVec3::from));
-    known.insert(accessor.value(), range);
-    Ok(range)
-}
-
-/// The triangles of vertices in a row.
-fn triangles(mode: Mode, order: &[u32]) -> Vec<[u32; 3]> {
-    let windows = || order.windows(3).enumerate();
-    match mode {
-        Mode::TriangleStrip => windows()
-            .map(|(k, w)| {
-                if k % 2 == 0 {
-                    [w[0], w[1], w[2]]
-                } else {
-                    [w[1], w[0], w[2]]
-                }
-            })
-            // Two equal corners only turn the strip.
-            .filter(|[a, b, c]| a != b && b != c && c != a)
-            .collect(),
-        Mode::TriangleFan => order
-            .get(1..)
-            .unwrap_or_default()
-            .windows(2)
-            .map(|w| [order[0], w[0], w[1]])
-            .collect(),
-        _ => order.as_chunks::<3>().0.to_vec(),
-    }
+    shape
 }
 
 #[cfg(test)]

@@ -1,14 +1,13 @@
 //! A part of an OBJ file's text, read on its own.
 
-use std::borrow::Cow;
-
 use glam::DVec3;
 
 use super::lines::{Line, Lines};
 use crate::error::Fault;
-use crate::formats::text::is_written_nan;
+use crate::formats::text::number;
 use crate::normals::NO_NORMAL;
-use crate::polygons::Faces;
+use crate::polygons::{Attributes, Faces};
+use crate::skipped::Skipped;
 
 /// How many of what a text has.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -17,17 +16,20 @@ pub(super) struct Count {
     pub(super) normals: u64,
     /// Physical lines.
     pub(super) lines: usize,
+    /// The smoothing group that holds at its end, if it names one.
+    pub(super) group: Option<u32>,
 }
 
 /// What the faces of a part name, and what else is in it. Indices are those of the whole file.
-#[derive(Default)]
 pub(super) struct Part {
+    /// With the normals of their corners if the file has any, and their smoothing groups if it names
+    /// any.
     pub(super) faces: Faces,
-    /// The normals of the faces' corners; empty if the file has none at all.
-    pub(super) normal_corners: Vec<u32>,
     /// Lines, points and curves.
-    pub(super) skipped: u64,
+    pub(super) no_surface: u64,
     pub(super) libraries: Libraries,
+    /// Corners and faces that are wrong.
+    pub(super) skipped: Skipped,
 }
 
 /// How many material libraries are looked for: more are only named in files made to be slow.
@@ -62,14 +64,16 @@ impl Libraries {
 }
 
 impl Count {
-    /// What there is in a part of a text, whose lines end in this byte.
-    pub(super) fn of(text: &str, line_end: u8) -> Count {
+    /// What there is in a part of a text.
+    pub(super) fn of(text: &str) -> Count {
         let mut count = Count::default();
-        let mut lines = Lines::new(text, line_end, 0);
+        let mut lines = Lines::new(text, 0);
         for line in &mut lines {
             match line.keyword {
                 "v" => count.vertices += 1,
                 "vn" => count.normals += 1,
+                // What is wrong is found when it is read.
+                "s" => count.group = smoothing_group(&line).ok(),
                 _ => {}
             }
         }
@@ -83,6 +87,7 @@ impl Count {
             vertices: self.vertices + other.vertices,
             normals: self.normals + other.normals,
             lines: self.lines + other.lines,
+            group: other.group.or(self.group),
         }
     }
 }
@@ -95,6 +100,8 @@ pub(super) struct Chunk<'a> {
     pub(super) so_far: Count,
     /// Of the whole file.
     pub(super) total: Count,
+    /// What is done with corners that are wrong.
+    pub(super) skipped: Skipped,
     /// Where its vertices and normals go.
     pub(super) positions: &'a mut [DVec3],
     pub(super) normals: &'a mut [DVec3],
@@ -103,7 +110,12 @@ pub(super) struct Chunk<'a> {
 impl Chunk<'_> {
     /// Reads all its lines, up to the first that is wrong.
     pub(super) fn read(mut self) -> Result<Part, Fault> {
-        let mut part = Part::default();
+        let mut part = Part {
+            faces: Faces::default(),
+            no_surface: 0,
+            libraries: Libraries::default(),
+            skipped: self.skipped.fresh(),
+        };
         let (mut positions, mut normals) = (0, 0);
         let mut corners = [Vec::new(), Vec::new()];
         while let Some(line) = self.lines.next() {
@@ -119,7 +131,8 @@ impl Chunk<'_> {
                     normals += 1;
                 }
                 "f" | "fo" => self.face(&line, &mut corners, &mut part)?,
-                "l" | "p" | "curv" | "curv2" | "surf" => part.skipped += 1,
+                "s" => self.so_far.group = Some(smoothing_group(&line)?),
+                "l" | "p" | "curv" | "curv2" | "surf" => part.no_surface += 1,
                 "mtllib" => part.libraries.add(line.rest.trim()),
                 _ => {}
             }
@@ -127,50 +140,21 @@ impl Chunk<'_> {
         Ok(part)
     }
 
-    /// Three coordinates; a fourth number divides them, and more are a colour.
+    /// Three coordinates; a fourth number divides them, and more are a colour. They need not be
+    /// finite, which only matters where a face names the vertex.
     fn vertex(&self, line: &Line<'_>) -> Result<DVec3, Fault> {
-        let number = self.so_far.vertices;
-        let mut words = line.words();
-        let mut position = [0.0; 3];
-        for (k, value) in position.iter_mut().enumerate() {
-            let Some(word) = words.next() else {
-                let what = format!("vertex {number} has {k} coordinates instead of 3");
-                return Err(fault(line, what));
-            };
-            *value = coordinate(line, number, word)?;
-        }
-        match (words.next(), words.next()) {
-            (Some(word), None) => match coordinate(line, number, word)? {
-                0.0 => Err(fault(
-                    line,
-                    format!("vertex {number}: its fourth coordinate, which divides, is zero"),
-                )),
-                divisor => Ok(DVec3::from(position) / divisor),
-            },
-            _ => Ok(position.into()),
-        }
+        let what = || format!("vertex {}", self.so_far.vertices);
+        let (position, mut more) = vector(line, &what)?;
+        Ok(match (more.next(), more.next()) {
+            (Some(divisor), None) => position / number(divisor).unwrap_or(1.0),
+            _ => position,
+        })
     }
 
     /// Three coordinates; what is not finite becomes zero, which is made anew later.
     fn normal(&self, line: &Line<'_>) -> Result<DVec3, Fault> {
-        let number = self.so_far.normals;
-        let mut words = line.words();
-        let mut normal = [0.0; 3];
-        for (k, value) in normal.iter_mut().enumerate() {
-            let Some(word) = words.next() else {
-                let what = format!("normal {number} has {k} coordinates instead of 3");
-                return Err(fault(line, what));
-            };
-            *value = match word.parse::<f64>() {
-                Ok(value) => value,
-                Err(_) if is_written_nan(word) => f64::NAN,
-                Err(_) => {
-                    let what = format!("normal {number}: {word:?} is not a number");
-                    return Err(fault(line, what));
-                }
-            };
-        }
-        let normal = DVec3::from(normal);
+        let what = || format!("normal {}", self.so_far.normals);
+        let (normal, _) = vector(line, &what)?;
         Ok(if normal.is_finite() {
             normal
         } else {
@@ -191,79 +175,85 @@ impl Chunk<'_> {
             let mut parts = word.split('/');
             let vertex = parts.next().unwrap_or_default();
             let normal = parts.nth(1).unwrap_or_default();
+            let fault = |what: String| Fault::Line(line.number, format!("corner {word:?} {what}"));
             if parts.next().is_some() {
-                return Err(corner_fault(line, word, "has more than three parts"));
+                let what = "has more than three parts".into();
+                return part.skipped.skip("the face", fault(what));
             }
-            let (so_far, total) = (self.so_far, self.total);
-            let counts = [so_far.vertices, total.vertices];
-            vertices.push(index(line, vertex, word, "vertex", counts)?);
+            match self.index(vertex, "vertex") {
+                Ok(vertex) => vertices.push(vertex),
+                Err(what) => return part.skipped.skip("the face", fault(what)),
+            }
             normals.push(match normal {
                 "" => NO_NORMAL,
-                normal => {
-                    let counts = [so_far.normals, total.normals];
-                    index(line, normal, word, "normal", counts)?
-                }
+                normal => match self.index(normal, "normal") {
+                    Ok(normal) => normal,
+                    Err(what) => {
+                        part.skipped.skip("the corner's normal", fault(what))?;
+                        NO_NORMAL
+                    }
+                },
             });
         }
-        part.faces.push(vertices)?;
-        if self.total.normals > 0 && vertices.len() >= 3 {
-            part.normal_corners.extend_from_slice(normals);
+        let attributes = Attributes {
+            others: (self.total.normals > 0).then_some(normals),
+            // Before the first that is named, smoothing is off.
+            group: self.total.group.map(|_| self.so_far.group.unwrap_or(0)),
+        };
+        Ok(part.faces.push_with(vertices, attributes)?)
+    }
+
+    /// An index into vertices or normals as a corner has it, counted from 0. Negative ones count
+    /// back from the last one read, which is -1.
+    fn index(&self, text: &str, what: &str) -> Result<u32, String> {
+        let [so_far, total] = [self.so_far, self.total].map(|count| match what {
+            "vertex" => count.vertices,
+            _ => count.normals,
+        });
+        let index: i64 = (text.parse()).map_err(|_| "is not made of whole numbers".to_owned())?;
+        let absolute = if index < 0 {
+            (so_far + 1).checked_sub(index.unsigned_abs())
+        } else {
+            Some(index.unsigned_abs())
+        };
+        match absolute {
+            // A file has fewer than 2^31 vertices or normals: that has been checked.
+            Some(absolute) if (1..=total).contains(&absolute) => Ok((absolute - 1) as u32),
+            _ => Err(format!(
+                "names {what} {index}, but the file has {total} (1 is the first)"
+            )),
         }
-        Ok(())
     }
 }
 
-/// One of a vertex's numbers.
-fn coordinate(line: &Line<'_>, vertex: u64, word: &str) -> Result<f64, Fault> {
-    match word.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => {
-            let rest = line.rest.trim();
-            Err(fault(
-                line,
-                format!("vertex {vertex} is not finite: {rest}"),
-            ))
-        }
-        Err(_) => Err(fault(
-            line,
-            format!("vertex {vertex}: {word:?} is not a number"),
-        )),
+/// Three coordinates, and the words behind them, which are numbers as well.
+fn vector<'a>(
+    line: &Line<'a>,
+    what: &dyn Fn() -> String,
+) -> Result<(DVec3, impl Iterator<Item = &'a str> + use<'a>), Fault> {
+    let fault = |problem: String| Fault::Line(line.number, format!("{}{problem}", what()));
+    let is_no_number = |word: &str| fault(format!(": {word:?} is not a number"));
+    let mut words = line.words();
+    let mut vector = DVec3::ZERO;
+    for k in 0..3 {
+        let word = words.next();
+        let word = word.ok_or_else(|| fault(format!(" has {k} coordinates instead of 3")))?;
+        vector[k] = number(word).ok_or_else(|| is_no_number(word))?;
+    }
+    match words.clone().find(|word| number(word).is_none()) {
+        Some(word) => Err(is_no_number(word)),
+        None => Ok((vector, words)),
     }
 }
 
-/// An index into vertices or normals as a corner has it, counted from 0. Negative ones count back
-/// from the last one read, which is -1.
-fn index(
-    line: &Line<'_>,
-    text: &str,
-    word: &str,
-    what: &str,
-    [so_far, total]: [u64; 2],
-) -> Result<u32, Fault> {
-    let index: i64 = text
-        .parse()
-        .map_err(|_| corner_fault(line, word, "is not made of whole numbers"))?;
-    let absolute = if index < 0 {
-        (so_far + 1).checked_sub(index.unsigned_abs())
-    } else {
-        Some(index.unsigned_abs())
-    };
-    match absolute {
-        // A file has fewer than 2^31 vertices or normals: that has been checked.
-        Some(absolute) if (1..=total).contains(&absolute) => Ok((absolute - 1) as u32),
-        _ => Err(corner_fault(
-            line,
-            word,
-            format!("names {what} {index}, but the file has {total} (1 is the first)"),
-        )),
+/// The group that a line names; 0 is none.
+fn smoothing_group(line: &Line<'_>) -> Result<u32, Fault> {
+    match line.words().next() {
+        None | Some("off" | "Off" | "OFF") => Ok(0),
+        Some("on" | "On" | "ON") => Ok(1),
+        Some(word) => word.parse().map_err(|_| {
+            let what = format!("{word:?} is no smoothing group: that is a number or off");
+            Fault::Line(line.number, what)
+        }),
     }
-}
-
-/// The line is wrong.
-fn fault(line: &Line<'_>, what: String) -> Fault {
-    Fault::Line(line.number, what)
-}
-
-fn corner_fault<'a>(line: &Line<'_>, word: &str, what: impl Into<Cow<'a, str>>) -> Fault {
-    fault(line, format!("corner {word:?} {}", what.into()))
 }

@@ -1,5 +1,7 @@
 //! The logical lines of an OBJ file.
 
+use crate::formats::text;
+
 /// A line of the file, with the lines it continues on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Line<'a> {
@@ -22,33 +24,18 @@ impl<'a> Line<'a> {
 
 /// The logical lines of a text, without blank ones and comments.
 pub(super) struct Lines<'a> {
-    left: &'a str,
-    number: usize,
-    line_end: u8,
-}
-
-/// What ends a text's lines: line feeds, or carriage returns where there is no line feed at all.
-pub(super) fn line_end(text: &str) -> u8 {
-    if text.as_bytes().contains(&b'\n') {
-        b'\n'
-    } else {
-        b'\r'
-    }
+    physical: text::Lines<'a>,
 }
 
 /// Cuts a text into chunks of at least so many bytes (the last may be shorter), after lines that no
 /// other continues.
-pub(super) fn chunks(text: &str, line_end: u8, size: usize) -> Vec<&str> {
+pub(super) fn chunks(text: &str, size: usize) -> Vec<&str> {
     let mut chunks = Vec::new();
     let mut left = text;
     while left.len() > size {
-        let bytes = left.as_bytes();
-        let mut ends = (size..bytes.len()).filter(|&at| bytes[at] == line_end);
-        let Some(end) = ends.find(|&at| !bytes[..at].trim_ascii_end().ends_with(b"\\")) else {
-            break;
-        };
+        let chunk = chunk_length(left.as_bytes(), size);
         // Line ends are characters of one byte.
-        let (chunk, rest) = left.split_at(end + 1);
+        let (chunk, rest) = left.split_at(chunk);
         chunks.push(chunk);
         left = rest;
     }
@@ -58,34 +45,43 @@ pub(super) fn chunks(text: &str, line_end: u8, size: usize) -> Vec<&str> {
     chunks
 }
 
+/// The length up to the first line end at or behind `size` whose line no other continues.
+fn chunk_length(bytes: &[u8], size: usize) -> usize {
+    // Both bytes of a line end stay in one chunk.
+    let mut start = size - usize::from(size > 0 && bytes[size - 1..].starts_with(b"\r\n"));
+    while start < bytes.len() {
+        let (length, end) = text::first_line(&bytes[start..]);
+        let line = trim_blanks(&bytes[..start + length]);
+        start += length + end;
+        if !line.ends_with(b"\\") {
+            return start;
+        }
+    }
+    bytes.len()
+}
+
+/// Without blanks at the end, but no further than to the end of the line before.
+fn trim_blanks(mut line: &[u8]) -> &[u8] {
+    while let Some((last, rest)) = line.split_last()
+        && last.is_ascii_whitespace()
+        && !b"\n\r".contains(last)
+    {
+        line = rest;
+    }
+    line
+}
+
 impl<'a> Lines<'a> {
     /// The lines of a text or a chunk of it, before which there are so many.
-    pub(super) fn new(text: &'a str, line_end: u8, before: usize) -> Lines<'a> {
+    pub(super) fn new(text: &'a str, before: usize) -> Lines<'a> {
         Lines {
-            left: text,
-            number: before,
-            line_end,
+            physical: text::Lines::new(text, before),
         }
     }
 
     /// The number of the last physical line there has been.
     pub(super) fn number(&self) -> usize {
-        self.number
-    }
-
-    /// The next physical line, without its end.
-    fn physical(&mut self) -> Option<&'a str> {
-        if self.left.is_empty() {
-            return None;
-        }
-        self.number += 1;
-        let end = self.left.find(char::from(self.line_end));
-        let (line, left) = match end {
-            Some(end) => (&self.left[..end], &self.left[end + 1..]),
-            None => (self.left, ""),
-        };
-        self.left = left;
-        Some(line)
+        self.physical.number()
     }
 }
 
@@ -121,9 +117,9 @@ impl<'a> Iterator for Lines<'a> {
 
     fn next(&mut self) -> Option<Line<'a>> {
         loop {
-            let from = self.left;
-            let first = self.physical()?;
-            let number = self.number;
+            let text = self.physical.left();
+            let first = self.physical.next()?;
+            let number = self.number();
             let trimmed = first.trim_start();
             let length = trimmed
                 .find(|c: char| c.is_ascii_whitespace())
@@ -136,13 +132,15 @@ impl<'a> Iterator for Lines<'a> {
             let mut last = first;
             if may_continue(keyword) {
                 while is_continued(last) {
-                    let Some(more) = self.physical() else { break };
-                    end += 1 + more.len();
+                    let Some(more) = self.physical.next() else {
+                        break;
+                    };
+                    end = text.len() - self.physical.left().len();
                     last = more;
                 }
             }
             let start = first.len() - trimmed.len() + length;
-            let rest = &from[start..end];
+            let rest = &text[start..end];
             let rest = comment_start(rest).map_or(rest, |at| &rest[..at]);
             return Some(Line {
                 number,
@@ -155,7 +153,7 @@ impl<'a> Iterator for Lines<'a> {
 
 /// Whether a line ends in a backslash that no comment swallows.
 fn is_continued(line: &str) -> bool {
-    line.trim_end().ends_with('\\') && comment_start(line).is_none()
+    trim_blanks(line.as_bytes()).ends_with(b"\\") && comment_start(line).is_none()
 }
 
 /// Where a word starts with `#`. Within words it is none: `1.#QNAN` is what some programs write.
@@ -170,14 +168,14 @@ mod tests {
     use super::*;
 
     fn lines(text: &str) -> Vec<(usize, &str, Vec<&str>)> {
-        Lines::new(text, line_end(text), 0)
+        Lines::new(text, 0)
             .map(|l| (l.number, l.keyword, l.words().collect()))
             .collect()
     }
 
     #[test]
     fn continuations_join_and_comments_go() {
-        let text = "# head \\\nv 1 2 \\\r\n 3 # not 4\n\n  f\t1 2\\\n3 \\\n4\r\n#f 1\nv 7";
+        let text = "# head \\\nv 1 2 \\\r\n 3 # not 4\n\n  f\t1 2\\\n3 \\\r4\r\n#f 1\nv 7";
         assert_eq!(
             lines(text),
             [
@@ -190,14 +188,14 @@ mod tests {
 
     #[test]
     fn chunks_are_whole_lines_with_what_continues_them() {
-        let text = "v 1 2 \\\n3\nv 4\n\nf 1 \\ \r\n2\nend";
+        let text = "v 1 2 \\\n3\rv 4\n\r\nf 1 \\ \r\n2\n\\\n\nend";
         for size in 0..text.len() + 2 {
-            let parts = chunks(text, b'\n', size);
+            let parts = chunks(text, size);
             assert_eq!(parts.concat(), text);
             let mut before = 0;
             let mut all = Vec::new();
             for part in &parts {
-                let mut of_part = Lines::new(part, b'\n', before);
+                let mut of_part = Lines::new(part, before);
                 all.extend(
                     of_part
                         .by_ref()
@@ -207,8 +205,8 @@ mod tests {
             }
             assert_eq!(all, lines(text), "{size}");
         }
-        assert_eq!(chunks(text, b'\n', 0).len(), 5);
-        assert_eq!(chunks("", b'\n', 0), [] as [&str; 0]);
+        assert_eq!(chunks(text, 0).len(), 6);
+        assert_eq!(chunks("", 0), [] as [&str; 0]);
     }
 
     #[test]
@@ -223,10 +221,15 @@ mod tests {
     }
 
     #[test]
-    fn carriage_returns_alone_end_lines() {
+    fn any_line_end_ends_a_line() {
         assert_eq!(
-            lines("v 1\rv 2"),
-            [(1, "v", vec!["1"]), (2, "v", vec!["2"])]
+            lines("# head\rv 1\nv 2\r\nv 3\r\rv 4"),
+            [
+                (2, "v", vec!["1"]),
+                (3, "v", vec!["2"]),
+                (4, "v", vec!["3"]),
+                (6, "v", vec!["4"])
+            ]
         );
     }
 }

@@ -3,7 +3,7 @@
 use ply_rs_bw::ply::ScalarType;
 
 use crate::error::Fault;
-use crate::formats::text::{lines, number};
+use crate::formats::text::{Lines, Words, number};
 
 /// Hands out the numbers of one element after the other.
 pub(super) trait Body {
@@ -17,61 +17,111 @@ pub(super) trait Body {
     /// Ends an element.
     fn end(&mut self) -> Result<(), String>;
 
+    /// Ends the body. Returns a sentence on what follows it, if anything does.
+    ///
+    /// # Errors
+    ///
+    /// If what follows shows that the elements have not been read as they are meant.
+    fn finish(&mut self) -> Result<Option<String>, Fault>;
+
     /// The fault for what is wrong with an element.
     fn fault(&self, element: &str, number: usize, what: String) -> Fault;
 }
 
-/// The body of a text file: one line an element, blank lines left out.
+/// The body of a text file. Where it has as many lines as elements, each line is one, and blank
+/// lines are left out. Otherwise any white space separates numbers.
 pub(super) struct Text<'a> {
-    lines: Box<dyn Iterator<Item = (usize, &'a str)> + 'a>,
-    words: std::str::SplitAsciiWhitespace<'a>,
-    /// Lines of the header.
-    before: usize,
-    /// The present line, from 1.
+    words: Words<'a>,
+    by_line: bool,
+    /// The number of the last element's line and of the first element's that does not end where its
+    /// line does.
     line: usize,
+    first_within_line: Option<usize>,
 }
 
 impl<'a> Text<'a> {
-    /// The text after a header of so many lines.
-    pub(super) fn new(text: &'a str, before: usize) -> Text<'a> {
+    /// The text of so many elements after a header of so many lines.
+    pub(super) fn new(text: &'a str, before: usize, elements: usize) -> Text<'a> {
+        let words = Words::new(Lines::new(text, before), None);
+        let mut lines = words.clone();
+        let count = std::iter::from_fn(|| lines.next_line_with_words().then_some(())).count();
         Text {
-            lines: Box::new(lines(text)),
-            words: "".split_ascii_whitespace(),
-            before,
+            words,
+            by_line: count == elements,
             line: before,
+            first_within_line: None,
         }
     }
 }
 
 impl Body for Text<'_> {
     fn begin(&mut self) -> Result<(), String> {
-        for (number, line) in self.lines.by_ref() {
-            self.line = self.before + number;
-            if !line.trim_ascii().is_empty() {
-                self.words = line.split_ascii_whitespace();
-                return Ok(());
-            }
+        let is_there = if self.words.rest_of_line().next().is_some() {
+            // Where each line is one, the last has been read whole.
+            self.first_within_line.get_or_insert(self.line);
+            true
+        } else {
+            self.words.next_line_with_words()
+        };
+        self.line = self.words.line_number();
+        if !is_there {
+            return Err("the file ends before it".into());
         }
-        Err("the file ends before it".into())
+        Ok(())
     }
 
     fn number(&mut self, _: &ScalarType) -> Result<f64, String> {
-        let word = self.words.next();
-        let word = word.ok_or("its line has fewer values than the header declares")?;
+        let word = if self.by_line {
+            let word = self.words.next_in_line();
+            word.ok_or("its line has fewer values than the header declares")?
+        } else {
+            self.words.next().ok_or("the file ends in it")?
+        };
+        self.line = self.words.line_number();
         number(word).ok_or_else(|| format!("{word:?} is not a number"))
     }
 
     fn end(&mut self) -> Result<(), String> {
-        match self.words.next() {
-            None => Ok(()),
-            Some(_) => Err("its line has more values than the header declares".into()),
+        if self.by_line && self.words.next_in_line().is_some() {
+            return Err(MORE.into());
         }
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<Option<String>, Fault> {
+        let is_within_line = self.words.rest_of_line().next().is_some();
+        if !is_within_line && !self.words.next_line_with_words() {
+            return Ok(None);
+        }
+        if let Some(line) = self.first_within_line {
+            return Err(Fault::Line(
+                line,
+                format!("an element ends here, but {MORE}"),
+            ));
+        }
+        if is_within_line {
+            return Err(Fault::Line(
+                self.line,
+                format!("the last element ends here, but {MORE}"),
+            ));
+        }
+        Ok(Some(format!(
+            "the file goes on behind its last element, in line {}; that was not read",
+            self.words.line_number()
+        )))
     }
 
     fn fault(&self, element: &str, number: usize, what: String) -> Fault {
-        Fault::Line(self.line, format!("{element} {number}: {what}"))
+        let mut what = format!("{element} {number}: {what}");
+        if let Some(line) = self.first_within_line {
+            what += &format!("; or in line {line} {MORE}");
+        }
+        Fault::Line(self.line, what)
     }
 }
+
+/// What is wrong with a line.
+const MORE: &str = "its line has more values than the header declares";
 
 /// The body of a binary file.
 pub(super) struct Binary<'a> {
@@ -127,6 +177,10 @@ impl Body for Binary<'_> {
 
     fn end(&mut self) -> Result<(), String> {
         Ok(())
+    }
+
+    fn finish(&mut self) -> Result<Option<String>, Fault> {
+        Ok(None)
     }
 
     fn fault(&self, element: &str, number: usize, what: String) -> Fault {

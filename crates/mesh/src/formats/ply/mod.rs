@@ -14,16 +14,17 @@ use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, Header, PropertyType,
 use glam::DVec3;
 
 use super::Parsed;
-use super::text::{self, decode};
+use super::text::{self, decode, first_line};
 use crate::error::{Fault, MeshError};
 use crate::polygons::Faces;
 use crate::raw_mesh::RawMesh;
 use crate::report::LoadReport;
+use crate::skipped::Skipped;
 use body::{Binary, Body, Text};
 
 /// Reads a PLY file. Vertices, normals, faces and triangle strips are taken; colours, texture
 /// coordinates and everything else is left out.
-pub(super) fn read(bytes: Vec<u8>) -> Result<Parsed, Fault> {
+pub(super) fn read(bytes: Vec<u8>, skipped: Skipped) -> Result<Parsed, Fault> {
     let (header, body, lines) = split(&bytes)?;
     let header = parse_header(header)?;
     check_counts(&header, body.len())?;
@@ -31,26 +32,39 @@ pub(super) fn read(bytes: Vec<u8>) -> Result<Parsed, Fault> {
         Encoding::Ascii => {
             let text = decode(body.to_vec());
             drop(bytes);
-            read_body(&header, &mut Text::new(&text, lines))
+            let elements = header.elements.values();
+            let elements = elements.filter(|element| !element.properties.is_empty());
+            let count = elements.map(|element| element.count).sum();
+            read_body(&header, &mut Text::new(&text, lines, count), skipped)
         }
-        Encoding::BinaryLittleEndian => read_body(&header, &mut Binary::little_endian(body)),
-        Encoding::BinaryBigEndian => read_body(&header, &mut Binary::big_endian(body)),
+        Encoding::BinaryLittleEndian => {
+            read_body(&header, &mut Binary::little_endian(body), skipped)
+        }
+        Encoding::BinaryBigEndian => read_body(&header, &mut Binary::big_endian(body), skipped),
     }
 }
 
-/// The header's bytes, the bytes after it, and how many lines it has.
+/// The header's bytes, the bytes after it, and how many lines it has. Line feeds, carriage returns
+/// or both end a line.
 fn split(bytes: &[u8]) -> Result<(&[u8], &[u8], usize), Fault> {
-    let first = bytes.iter().position(|&b| b == b'\n' || b == b'\r');
-    let end = match first.map(|at| &bytes[at..]) {
-        Some([b'\r', b'\n', ..]) | Some([b'\n', ..]) => b'\n',
-        _ => b'\r',
-    };
     let mut from = 0;
-    for (number, line) in (1..).zip(bytes.split_inclusive(|&b| b == end)) {
-        from += line.len();
+    let mut has_line_feeds = false;
+    for number in 1.. {
+        let (length, end) = first_line(&bytes[from..]);
+        if length + end == 0 {
+            break;
+        }
+        let line = &bytes[from..from + length];
+        let line_end = &bytes[from + length..from + length + end];
+        from += length + end;
         if line.trim_ascii() == b"end_header" {
+            // In a file whose lines end in carriage returns a line feed is the body's first byte.
+            if line_end == b"\r\n" && number > 1 && !has_line_feeds {
+                from -= 1;
+            }
             return Ok((&bytes[..from], &bytes[from..], number));
         }
+        has_line_feeds |= line_end.contains(&b'\n');
     }
     Err(Fault::Content(
         "the header of the PLY file has no \"end_header\"".into(),
@@ -59,14 +73,21 @@ fn split(bytes: &[u8]) -> Result<(&[u8], &[u8], usize), Fault> {
 
 fn parse_header(bytes: &[u8]) -> Result<Header, Fault> {
     let text = decode(bytes.to_vec());
-    // The parser knows neither blank lines nor spaces around them.
+    // The parser knows neither blank lines, nor spaces around them, nor "PLY". It gets a line for each
+    // line, so that numbers stay: what stands before the first word follows it as comments.
     let mut clean = String::with_capacity(text.len());
+    clean.push_str("ply\n");
     let mut declared = 0;
-    for (_, line) in text::lines(&text) {
+    let mut is_behind_magic = false;
+    for line in text::Lines::new(&text, 0) {
         let line = line.trim();
         let word = line.split_ascii_whitespace().next();
         declared += usize::from(matches!(word, Some("element" | "property")));
-        clean.push_str(if word.is_none() { "comment" } else { line });
+        match word {
+            Some(_) if !std::mem::replace(&mut is_behind_magic, true) => continue,
+            Some(_) => clean.push_str(line),
+            None => clean.push_str("comment"),
+        }
         clean.push('\n');
     }
     let mut reader = Reader::new(Cursor::new(&clean));
@@ -163,9 +184,12 @@ struct Build {
     vertices: usize,
     /// Numbers of the present list.
     indices: Vec<u32>,
+    /// What is wrong with one of them.
+    wrong_index: Option<String>,
+    skipped: Skipped,
 }
 
-fn read_body(header: &Header, body: &mut impl Body) -> Result<Parsed, Fault> {
+fn read_body(header: &Header, body: &mut impl Body, skipped: Skipped) -> Result<Parsed, Fault> {
     let vertex = header.elements.get("vertex");
     let vertex = vertex.ok_or_else(|| Fault::Content("the PLY file has no vertices".into()))?;
     let has = |k: usize| parts(vertex).contains(&Part::Coordinate(k));
@@ -186,19 +210,30 @@ fn read_body(header: &Header, body: &mut impl Body) -> Result<Parsed, Fault> {
         faces: Faces::default(),
         vertices: vertex.count,
         indices: Vec::new(),
+        wrong_index: None,
+        skipped,
     };
     for element in header.elements.values() {
         build.read_elements(element, has_normals, body)?;
     }
+    let warning = body.finish()?;
+    let Build {
+        mut raw,
+        faces,
+        mut skipped,
+        ..
+    } = build;
+    let fault = |_, error| Fault::Mesh(error);
+    let faces = faces.check_positions(&raw.positions, &mut skipped, fault)?;
     let report = LoadReport {
-        polygons: build.faces.polygons,
-        skipped_elements: build.faces.skipped,
+        polygons: faces.polygons,
+        skipped_elements: faces.too_small,
+        warnings: warning.into_iter().collect(),
         ..LoadReport::default()
     };
-    let mut raw = build.raw;
-    raw.corners = build.faces.into_triangles(&raw.positions);
+    raw.corners = faces.into_triangles(&raw.positions).corners;
     raw.normal_corners = has_normals.then(|| raw.corners.clone());
-    Ok(Parsed::new(raw, report))
+    Parsed::new(raw, report, skipped)
 }
 
 impl Build {
@@ -221,6 +256,11 @@ impl Build {
             let coordinates = self
                 .read_element(&types, &parts, body)
                 .map_err(|what| body.fault(&element.name, number, what))?;
+            if let Some(what) = self.wrong_index.take() {
+                let fault = body.fault(&element.name, number, what);
+                self.skipped.skip(&format!("the {}", element.name), fault)?;
+                continue;
+            }
             match &*element.name {
                 "vertex" => {
                     self.raw.positions.push(DVec3::from_slice(&coordinates));
@@ -263,9 +303,7 @@ impl Build {
                         let value = body.number(scalar)?;
                         match part {
                             Part::Strips if value == -1.0 => self.indices.push(STRIP_END),
-                            Part::Corners | Part::Strips => {
-                                self.indices.push(self.index(value)?);
-                            }
+                            Part::Corners | Part::Strips => self.push_index(value),
                             _ => {}
                         }
                     }
@@ -276,14 +314,15 @@ impl Build {
         Ok(coordinates)
     }
 
-    fn index(&self, value: f64) -> Result<u32, String> {
+    fn push_index(&mut self, value: f64) {
         if value >= 0.0 && value.fract() == 0.0 && value < self.vertices as f64 {
-            return Ok(value as u32);
+            self.indices.push(value as u32);
+            return;
         }
-        Err(format!(
-            "it names vertex {value}, but there are only {} (0 is the first)",
-            self.vertices
-        ))
+        let vertices = self.vertices;
+        self.wrong_index.get_or_insert_with(|| {
+            format!("it names vertex {value}, but there are only {vertices} (0 is the first)")
+        });
     }
 
     /// Cuts strips of triangles, every other one of which winds the other way.
