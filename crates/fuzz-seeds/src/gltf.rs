@@ -114,7 +114,81 @@ pub fn files() -> Vec<File> {
     files.push(("sparse", sparse()));
     files.push(("modes", modes()));
     files.push(("quantized", quantized()));
+    files.push(("shared accessors", shared()));
+    files.push(("skin", skin()));
+    files.push(("morph targets", morph()));
     files
+}
+
+/// Meshes of a few triangles each of the same vertices, which have more that nothing names.
+fn shared() -> Vec<u8> {
+    let mut builder = Builder::default();
+    let shape = cone();
+    let mut positions = shape.positions.clone();
+    positions.extend([[f32::NAN, 1e30, 0.0]; 3]);
+    let mut normals = shape.normals.clone();
+    normals.extend([[0.0; 3]; 3]);
+    let (positions, normals) = (builder.vectors(&positions), builder.vectors(&normals));
+    let meshes: Vec<String> = (shape.indices().chunks(9))
+        .map(|indices| {
+            let indices = builder.indices(indices, 1);
+            mesh(&[format!(
+                r#"{{"attributes":{{"POSITION":{positions},"NORMAL":{normals}}},"indices":{indices}}}"#
+            )])
+        })
+        .collect();
+    let nodes: Vec<String> = (0..meshes.len())
+        .map(|n| format!(r#"{{"mesh":{n}}}"#))
+        .collect();
+    let nodes = format!(r#""nodes":[{}]"#, nodes.join(","));
+    builder.binary(&meshes.join(","), &nodes)
+}
+
+/// Two joints, one in the other, and a node whose own transform does not matter.
+fn skin() -> Vec<u8> {
+    let mut builder = Builder::default();
+    let shape = cylinder();
+    let count = shape.positions.len();
+    let primitive = builder.primitive(&shape, 2);
+    let view = builder.view((0..count).flat_map(|v| [0, (v % 2) as u8, 1, 0]));
+    let joints = builder.accessor(view, 5121, count, r#""type":"VEC4""#);
+    let view = builder.view((0..count).flat_map(|v| [200, (v % 56) as u8, 0, 0]));
+    let weights = builder.accessor(view, 5121, count, r#""normalized":true,"type":"VEC4""#);
+    let mut matrices = [0.0f32; 32];
+    for k in 0..4 {
+        matrices[5 * k] = 1.0;
+        matrices[16 + 5 * k] = 1.0;
+    }
+    matrices[16 + 13] = -2.0;
+    let view = builder.view(matrices.into_iter().flat_map(f32::to_le_bytes));
+    let bind = builder.accessor(view, 5126, 2, r#""type":"MAT4""#);
+    let moved = format!(r#""attributes":{{"JOINTS_0":{joints},"WEIGHTS_0":{weights},"#);
+    let primitive = primitive.replace(r#""attributes":{"#, &moved);
+    let rest = format!(
+        r#""skins":[{{"joints":[1,2],"inverseBindMatrices":{bind}}}],"nodes":[{{"mesh":0,"skin":0,"scale":[100,100,100]}},{{"children":[2]}},{{"translation":[0,2,0],"rotation":[0,0.3826834,0,0.9238795]}}]"#
+    );
+    builder.text(&mesh(&[primitive]), &rest)
+}
+
+/// Two targets with default weights, one of them sparse, and a node with weights of its own.
+fn morph() -> Vec<u8> {
+    let mut builder = Builder::default();
+    let shape = ball();
+    let count = shape.positions.len();
+    let primitive = builder.primitive(&shape, 1);
+    let all = builder.vectors(&vec![[0.5, 0.0, 0.25]; count]);
+    let at = builder.view([0, 2, 3]);
+    let values = builder.view([0.5f32; 9].into_iter().flat_map(f32::to_le_bytes));
+    builder.accessors.push(format!(
+        r#"{{"componentType":5126,"count":{count},"type":"VEC3","sparse":{{"count":3,"indices":{{"bufferView":{at},"componentType":5121}},"values":{{"bufferView":{values}}}}}}}"#
+    ));
+    let some = builder.accessors.len() - 1;
+    let targets =
+        format!(r#","targets":[{{"POSITION":{all}}},{{"POSITION":{some},"NORMAL":{all}}}]}}"#);
+    let primitive = primitive.strip_suffix('}').expect("an object").to_owned() + &targets;
+    let weights = r#"{"weights":[0.5,1],"#;
+    let mesh = mesh(&[primitive]).replacen('{', weights, 1);
+    builder.text(&mesh, r#""nodes":[{"mesh":0},{"mesh":0,"weights":[0,2]}]"#)
 }
 
 /// One mesh at many places, and without a scene.

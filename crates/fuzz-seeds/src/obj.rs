@@ -27,7 +27,44 @@ pub fn files() -> Vec<File> {
             [b"# by J\xfcrgen\no \xe9\n", text.as_bytes()].concat(),
         ),
         ("everything", EVERYTHING.into()),
+        ("mixed line ends", mixed_ends(&text).into()),
+        ("smoothing groups", groups(&prism()).into()),
+        ("stray vertices", strays(&prism()).into()),
     ]
+}
+
+/// Each line ends in another way than the one before.
+fn mixed_ends(text: &str) -> String {
+    let ends = ["\r", "\n", "\r\n"].into_iter().cycle();
+    let lines = text.lines().zip(ends);
+    lines.map(|(line, end)| [line, end].concat()).collect()
+}
+
+/// A group for each three faces, and some without.
+fn groups(shape: &Shape) -> String {
+    let group = |number: usize| match number % 9 {
+        0 => "s off\n".into(),
+        3 | 6 => format!("s {number}\n"),
+        _ => String::new(),
+    };
+    let faces = shape.faces.iter().enumerate();
+    let faces = faces.map(|(number, face)| {
+        let corners = words(face.iter().map(|v| v + 1));
+        format!("{}f {corners}\n", group(number))
+    });
+    vertices(shape) + &faces.collect::<String>()
+}
+
+/// At map coordinates, with vertices that no face names: far away, and not finite.
+fn strays(shape: &Shape) -> String {
+    let place = |[x, y, z]: [f32; 3]| {
+        let [x, y] = [456_789.25 + f64::from(x), 5_123_456.5 + f64::from(y)];
+        format!("v {x} {y} {z}\n")
+    };
+    let vertices: String = shape.positions.iter().map(|&p| place(p)).collect();
+    let face = |face: &Vec<u32>| format!("f {}\n", words(face.iter().map(|v| v + 3)));
+    let faces: String = shape.faces.iter().map(face).collect();
+    format!("v 0 0 0\nv nan 1e300 inf\n{vertices}{faces}")
 }
 
 fn vertices(shape: &Shape) -> String {

@@ -18,7 +18,31 @@ pub fn files() -> Vec<File> {
             "texture",
             text("STOFF\n", &prism(), " 0.25 1e-3", " # a face").into(),
         ),
+        ("glued", text("OFF", &prism(), "", "").into()),
+        (
+            "any white space",
+            text("off\n", &prism(), "", "").replace(' ', "\r").into(),
+        ),
+        (
+            "normals and colours",
+            text("CNOFF\n", &cone(), " 0.5 0 1 1", "").into(),
+        ),
+        ("colours and normals", coloured(&cone()).into()),
     ]
+}
+
+/// Colours before the normals, as MeshLab writes them.
+fn coloured(shape: &Shape) -> String {
+    let vertices = shape.positions.iter().zip(&shape.normals);
+    let vertices = vertices.map(|(&p, &n)| format!("{} 200 30 30 255 {}\n", words(p), words(n)));
+    let face = |face: &Vec<u32>| format!("{} {}\n", face.len(), words(face));
+    let faces: String = shape.faces.iter().map(face).collect();
+    format!(
+        "NCOFF\n{} {} 0\n{}{faces}",
+        shape.positions.len(),
+        shape.faces.len(),
+        vertices.collect::<String>()
+    )
 }
 
 fn text(head: &str, shape: &Shape, behind_vertex: &str, behind_face: &str) -> String {

@@ -25,7 +25,29 @@ pub fn files() -> Vec<File> {
         ("other order and types", odd(&prism())),
         ("strips", STRIPS.into()),
         ("many elements", MANY.into()),
+        (
+            "ascii marked",
+            ["\u{feff}", &ascii(&cone())].concat().into(),
+        ),
+        ("ascii on many lines", ascii_words(&cone(), "\r\n").into()),
+        ("ascii on one line", ascii_words(&prism(), "\t").into()),
+        ("invalid points", invalid(&prism()).into()),
     ]
+}
+
+/// With this between all numbers.
+fn ascii_words(shape: &Shape, between: &str) -> String {
+    let text = ascii(shape);
+    let (header, body) = text.split_once("end_header\n").expect("a header ends");
+    let words: Vec<&str> = body.split_ascii_whitespace().collect();
+    format!("{header}end_header\n{}", words.join(between))
+}
+
+/// A scan with a row of points that no face names.
+fn invalid(shape: &Shape) -> String {
+    let mut shape = shape.clone();
+    shape.positions.extend([[f32::NAN; 3]; 5]);
+    ascii(&shape)
 }
 
 fn header(shape: &Shape, format: &str) -> String {

@@ -25,7 +25,48 @@ pub fn files() -> Vec<File> {
             "binary with more behind",
             [binary(&ball(), b"x"), vec![0; 9]].concat(),
         ),
+        (
+            "text padded",
+            (of(cone()).replace("a solid", "a\0\0\0") + "\0\0\x1a").into(),
+        ),
+        (
+            "text on one line",
+            of(torus())
+                .split_ascii_whitespace()
+                .collect::<Vec<_>>()
+                .join(" ")
+                .into(),
+        ),
+        (
+            "text coloured",
+            of(ball())
+                .replace("endloop", "endloop\ncolor 0.5 0 1")
+                .replace("endfacet", "end facet")
+                .into(),
+        ),
+        ("binary with attributes", attributes(&torus())),
+        ("binary without a number", without_number(&ball(), 0)),
+        ("binary with all ones", without_number(&ball(), u32::MAX)),
     ]
+}
+
+/// Bytes behind each facet, as its attribute byte count says.
+fn attributes(shape: &Shape) -> Vec<u8> {
+    let bytes = binary(shape, b"attributes");
+    let (head, facets) = bytes.split_at(84);
+    let facets = facets.chunks(50).enumerate().flat_map(|(number, facet)| {
+        let length = number % 7;
+        let attributes = vec![number as u8; length];
+        [&facet[..48], &(length as u16).to_le_bytes(), &attributes].concat()
+    });
+    head.iter().copied().chain(facets).collect()
+}
+
+/// As programs leave the number of facets that write before they have counted.
+fn without_number(shape: &Shape, number: u32) -> Vec<u8> {
+    let mut bytes = binary(shape, b"streamed");
+    bytes[80..84].copy_from_slice(&number.to_le_bytes());
+    bytes
 }
 
 fn facets(shape: &Shape) -> impl Iterator<Item = ([f32; 3], [[f32; 3]; 3])> {
