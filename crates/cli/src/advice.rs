@@ -66,6 +66,11 @@ pub fn sentence(advice: &Advice) -> String {
             count,
             "theirs were made smooth; --normals stored keeps them",
         ),
+        Advice::AveragedNormals(count) => counted(
+            "Corners whose normal is a plain average of large and small faces",
+            count,
+            "theirs were made so that large faces stay flat; --normals stored keeps them",
+        ),
         Advice::ComputedNormals { hard_edges } => format!(
             "The normals were made, with hard edges: {hard_edges}; a greater --crease-angle makes fewer, \
              a smaller one more."

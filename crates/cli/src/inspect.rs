@@ -201,6 +201,7 @@ fn normals(inspection: &Inspection) -> Vec<(&'static str, u64)> {
         ("made", normals.made),
         ("by_group", normals.by_group),
         ("faceted", normals.faceted),
+        ("averaged", normals.averaged),
         ("unusable", normals.unusable),
         ("renormalised", normals.renormalised),
         ("against_face", normals.against_face),

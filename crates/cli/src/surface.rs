@@ -105,7 +105,8 @@ enum NormalsChoice {
     Stored,
     /// None: all normals are made from the triangles
     Smooth,
-    /// All except those of flat facets on what looks like a curved body
+    /// All except those of flat facets on what looks like a curved body, and plain averages of large and small
+    /// faces where all normals are such averages
     Auto,
 }
 

@@ -98,6 +98,11 @@ impl LoadReport {
                 "triangle corners have flat normals on what looks like a curved wall; theirs were \
                  made smooth",
             ),
+            (
+                normals.averaged,
+                "triangle corners have a normal that is a plain average of large and small faces; theirs \
+                 were made so that large faces stay flat",
+            ),
         ];
         let sentences = (counted.iter())
             .filter(|(count, _)| *count > 0)

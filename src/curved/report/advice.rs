@@ -34,6 +34,8 @@ pub enum Advice {
     RenormalisedNormals(u64),
     /// So many corners had flat normals on what looks like a curved wall. Smooth ones were computed.
     FacetedNormals(u64),
+    /// So many corners had a plain average of large and small faces for a normal. Better ones were computed.
+    AveragedNormals(u64),
     /// There were no normals; they were computed, with so many hard edges.
     ComputedNormals {
         /// Edges at which the normals of the two triangles differ. May be 0.
@@ -90,7 +92,7 @@ impl Inspection {
         ]
     }
 
-    fn on_normals(&self) -> [Counted; 4] {
+    fn on_normals(&self) -> [Counted; 5] {
         let normals = &self.report.normals;
         let corners = 3 * self.triangles;
         let against: fn(u64) -> Advice = if 2 * normals.against_face > corners {
@@ -103,12 +105,13 @@ impl Inspection {
             (normals.unusable, Advice::UnusableNormals),
             (normals.renormalised, Advice::RenormalisedNormals),
             (normals.faceted, Advice::FacetedNormals),
+            (normals.averaged, Advice::AveragedNormals),
         ]
     }
 
     fn on_computed_normals(&self) -> Option<Advice> {
         let normals = &self.report.normals;
-        (normals.stored == 0 && normals.faceted == 0).then_some(Advice::ComputedNormals {
+        (normals.stored + normals.faceted + normals.averaged == 0).then_some(Advice::ComputedNormals {
             hard_edges: self.topology.hard,
         })
     }

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::disjoint_sets::DisjointSets;
+use super::weights::{Areas, Face};
 
 /// At an edge with more pairs of triangles than this no faces are joined: it is no surface, and
 /// trying all pairs would be quadratic.
@@ -15,10 +16,7 @@ const MAX_SPREADS: usize = 8;
 /// One triangle's corner at the position.
 #[derive(Clone, Copy)]
 struct Spoke {
-    /// The triangle's unit normal; zero for a triangle too thin to have one.
-    normal: DVec3,
-    /// The angle at the corner; zero for a triangle too thin to have a normal.
-    angle: f64,
+    face: Face,
     triangle: u32,
 }
 
@@ -52,10 +50,8 @@ impl Fan {
             let k = corner as usize % 3;
             let [here, next, prev] = [t[k], t[(k + 1) % 3], t[(k + 2) % 3]];
             let p = [here, next, prev].map(|v| places[v as usize].as_dvec3());
-            let (normal, angle) = face_at(p);
             self.spokes.push(Spoke {
-                normal,
-                angle,
+                face: face_at(p),
                 triangle: corner / 3,
             });
             self.edges.push((next, false, i as u32));
@@ -63,6 +59,11 @@ impl Fan {
         }
         self.edges.sort_unstable();
         self.groups.reset(corners.len());
+    }
+
+    /// The face of a corner, by its place in the list that was gathered.
+    pub(super) fn face(&self, corner: usize) -> Face {
+        self.spokes[corner].face
     }
 
     /// Joins the two faces of each edge that is smooth and at which their windings agree. A triangle too thin to have a normal takes over
@@ -77,7 +78,7 @@ impl Fan {
         for_pairs(&edges, |a, b| {
             let [one, other] = [a, b].map(|spoke| self.spokes[spoke as usize]);
             let is_smooth = match smoothness {
-                Smoothness::Crease(cosine) => one.normal.dot(other.normal) >= cosine,
+                Smoothness::Crease(cosine) => one.face.normal.dot(other.face.normal) >= cosine,
                 Smoothness::Groups(groups) => {
                     let [one, other] = [one, other].map(|s| groups[s.triangle as usize]);
                     one == other && one != 0
@@ -95,22 +96,28 @@ impl Fan {
         let mut any = false;
         for_pairs(edges, |a, b| {
             let (a, b) = (a as usize, b as usize);
-            let (na, nb) = (self.spokes[a].normal, self.spokes[b].normal);
+            let [na, nb] = [a, b].map(|spoke| self.spokes[spoke].face.normal);
             if (na == DVec3::ZERO) != (nb == DVec3::ZERO) {
-                self.spokes[a].normal = na + nb;
-                self.spokes[b].normal = na + nb;
+                self.spokes[a].face.normal = na + nb;
+                self.spokes[b].face.normal = na + nb;
                 any = true;
             }
         });
         any
     }
 
-    /// Puts the angle-weighted normal of its group in place of each zero normal.
+    /// Puts the weighted normal of its group in place of each zero normal.
     pub(super) fn replace_zeros(&mut self, normals: &mut [DVec3]) {
+        let mut areas = vec![Areas::NONE; self.spokes.len()];
+        for i in 0..self.spokes.len() {
+            let root = self.groups.root(i as u32) as usize;
+            areas[root] = areas[root].with(self.spokes[i].face);
+        }
         let mut sums = vec![DVec3::ZERO; self.spokes.len()];
         for i in 0..self.spokes.len() {
-            let root = self.groups.root(i as u32);
-            sums[root as usize] += self.spokes[i].angle * self.spokes[i].normal;
+            let root = self.groups.root(i as u32) as usize;
+            let face = self.spokes[i].face;
+            sums[root] += areas[root].weight(face) * face.normal;
         }
         for (i, normal) in normals.iter_mut().enumerate() {
             if *normal == DVec3::ZERO {
@@ -125,8 +132,8 @@ impl Fan {
     fn group_normal(&self, root: usize, sum: DVec3) -> DVec3 {
         if sum.length_squared() > 1e-24 {
             sum.normalize()
-        } else if self.spokes[root].normal != DVec3::ZERO {
-            self.spokes[root].normal
+        } else if self.spokes[root].face.normal != DVec3::ZERO {
+            self.spokes[root].face.normal
         } else {
             DVec3::Z
         }
@@ -150,16 +157,21 @@ fn for_pairs(edges: &[(u32, bool, u32)], mut pair: impl FnMut(u32, u32)) {
     }
 }
 
-/// The unit normal of a triangle and the angle at its first corner, both zero where the triangle is
-/// so thin that single-precision positions do not determine its plane.
-fn face_at(corners: [DVec3; 3]) -> (DVec3, f64) {
+/// A triangle as a face at its first corner; all zero where it is so thin that single-precision positions do
+/// not determine its plane.
+fn face_at(corners: [DVec3; 3]) -> Face {
     let normal = plane_normal(corners);
     if normal == DVec3::ZERO {
-        return (normal, 0.0);
+        return Face::default();
     }
     let [here, next, prev] = corners;
     let (a, b) = (next - here, prev - here);
-    (normal, a.cross(b).length().atan2(a.dot(b)))
+    let area = a.cross(b).length();
+    Face {
+        normal,
+        angle: area.atan2(a.dot(b)),
+        area,
+    }
 }
 
 /// The unit normal of a triangle, zero where it is so thin that single-precision positions do not
