@@ -2,6 +2,7 @@
 //! ray, rays that start on a surface, and flat triangles among curved ones.
 
 mod all_hits;
+mod far_rays;
 mod filters;
 mod glass;
 mod instances;

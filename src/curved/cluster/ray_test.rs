@@ -4,9 +4,8 @@ use fearless_simd::{Level, dispatch, f32x4, f32x8, prelude::*, u32x8};
 
 use super::layout::{Cluster, DIRECTIONS, NONE, SIZE};
 use crate::curved::bits::set_bits;
-use crate::embree::Ray;
 use curvetri_method::{
-    Lanes, MAX_LANES, Quad, RayLanes, Real, Vector, inlined, load_lanes, three, vector,
+    Lanes, MAX_LANES, Quad, Ray, RayLanes, Real, Vector, inlined, load_lanes, three, vector,
 };
 
 /// Rounding of a ray's distance to an end of a box, relative to what it is computed from.
@@ -32,7 +31,7 @@ pub(in crate::curved) struct PacketEntries {
 
 impl RayEntries {
     /// Tests all boxes at once.
-    pub fn new(cluster: &Cluster, ray: &Ray) -> Self {
+    pub fn new(cluster: &Cluster, ray: &Ray<f32>) -> Self {
         dispatch!(Level::new(), simd => simd.vectorize(
             #[inline(always)]
             || Self::in_lanes(simd, cluster, ray)
@@ -40,7 +39,7 @@ impl RayEntries {
     }
 
     #[inline(always)]
-    fn in_lanes<S: Simd>(simd: S, cluster: &Cluster, ray: &Ray) -> Self {
+    fn in_lanes<S: Simd>(simd: S, cluster: &Cluster, ray: &Ray<f32>) -> Self {
         let (mut from, mut to) = (f32x8::splat(simd, ray.tnear), f32x8::splat(simd, ray.tfar));
         let slabs = ray_slabs(simd, cluster, ray);
         for (axis, slab) in slabs.iter().enumerate() {
@@ -229,7 +228,7 @@ impl<V: Real<Scalar = f32>> RaySlab<V> {
 
 /// A ray's slabs along the directions, computed one a lane.
 #[inline(always)]
-fn ray_slabs<S: Simd>(simd: S, cluster: &Cluster, ray: &Ray) -> [RaySlab<f32>; DIRECTIONS] {
+fn ray_slabs<S: Simd>(simd: S, cluster: &Cluster, ray: &Ray<f32>) -> [RaySlab<f32>; DIRECTIONS] {
     let quad = inlined(
         #[inline(always)]
         |of: [f32; 4]| Quad(f32x4::from_slice(simd, &of)),
@@ -241,8 +240,8 @@ fn ray_slabs<S: Simd>(simd: S, cluster: &Cluster, ray: &Ray) -> [RaySlab<f32>; D
     let slab = RaySlab::new(
         vector(x, y, z),
         quad(cluster.step()),
-        Vector::splat(x, (ray.origin - cluster.middle()).into()),
-        Vector::splat(x, ray.direction.into()),
+        Vector::splat(x, ray.origin - cluster.middle().into()),
+        Vector::splat(x, ray.direction),
         x.splat(cluster.extent()),
     );
     let one = inlined(
@@ -325,7 +324,12 @@ mod tests {
                 } else {
                     target - from
                 };
-                let ray = Ray::new(from, direction);
+                let ray = Ray {
+                    origin: from.into(),
+                    direction: direction.into(),
+                    tnear: 0.0,
+                    tfar: f32::INFINITY,
+                };
                 let entries = RayEntries::new(cluster, &ray);
                 assert!(entries.boxes & 1 << place != 0, "{ray:?} {n}");
                 aimed += 1;
@@ -337,7 +341,7 @@ mod tests {
     }
 
     /// Boxes come in the order in which the ray enters them, and a packet of it in some lanes says the same.
-    fn check_order(cluster: &Cluster, ray: &Ray, mut entries: RayEntries) {
+    fn check_order(cluster: &Cluster, ray: &Ray<f32>, mut entries: RayEntries) {
         let boxes = entries.boxes;
         let mut last = f32::NEG_INFINITY;
         while let Some(n) = entries.next(f32::INFINITY) {

@@ -2,7 +2,7 @@
 
 use super::block_cache::BlockCache;
 use super::counters::count;
-use super::kernel_rays::{AnyQuery, kernel_ray, ray_lanes};
+use super::kernel_rays::AnyQuery;
 use super::triangle_query::{MIN_PACKET, offer_roots, offer_roots_beyond, trace_triangle};
 use crate::curved::bits::set_bits;
 use crate::curved::cluster::{Cluster, PacketEntries, RayEntries, SIZE, lanes_in_boxes};
@@ -30,9 +30,9 @@ pub(super) fn trace_cluster<'a>(
             return;
         }
     }
-    let mut entries = PacketEntries::new(cluster, left, &ray_lanes(query), query.valid());
+    let mut entries = PacketEntries::new(cluster, left, &query.rays(), query.valid());
     // Lanes that are occluded by now are valid no more.
-    while let Some((n, lanes)) = entries.next(query.tfar(), query.valid()) {
+    while let Some((n, lanes)) = entries.next(query.rays().tfar, query.valid()) {
         trace_triangle(curved, query, cluster.triangle(n), lanes);
     }
 }
@@ -44,16 +44,16 @@ fn trace_ray<'a>(
     cluster: &Cluster,
     lane: usize,
 ) {
-    let mut entries = RayEntries::new(cluster, &query.ray(lane));
+    let mut entries = RayEntries::new(cluster, &query.kernel_ray(lane));
     // All are read before anything is done with one: the processor waits for all of them at once then.
     let mut patches = [None; SIZE];
     for n in set_bits(entries.boxes()) {
         patches[n] = Some(curved.packed_triangle(cluster.triangle(n)));
     }
-    while let Some(n) = entries.next(query.tfar()[lane]) {
+    while let Some(n) = entries.next(query.rays().tfar[lane]) {
         if let Some(patch) = &patches[n] {
             query.set_prim_id(cluster.triangle(n));
-            let ray = kernel_ray(&query.ray(lane));
+            let ray = query.kernel_ray(lane);
             offer_roots(curved, query, lane, patch, ray);
         }
     }
@@ -68,7 +68,7 @@ fn trace_block<'a>(
     cluster: &Cluster,
     number: u32,
 ) -> u32 {
-    let lanes = lanes_in_boxes(cluster, &ray_lanes(query), query.valid());
+    let lanes = lanes_in_boxes(cluster, &query.rays(), query.valid());
     let places = lanes.iter().enumerate();
     let places = places.fold(0, |all, (n, &lanes)| all | u32::from(lanes != 0) << n);
     if places == 0 {
@@ -87,7 +87,7 @@ fn trace_block<'a>(
         |block| unpack(curved, block, cluster),
         |block, hits| {
             unpacked = places & block.unpacked();
-            block.intersect_packet(&ray_lanes(query), &lanes, curved.solver, normals, hits);
+            block.intersect_packet(&query.rays(), &lanes, curved.solver, normals, hits);
         },
     );
     let calls = set_bits(unpacked)
@@ -102,7 +102,8 @@ fn trace_block<'a>(
         let ng = hit.normal.into();
         let counts = query.report(lane, SurfaceHit { t, u, v, ng });
         // Without filters a hit is rejected only where there is a nearer one.
-        if !counts && query.has_filters() && query.valid() & 1 << lane != 0 {
+        let goes_on = query.valid() & 1 << lane != 0 && t <= query.rays().tfar[lane];
+        if !counts && query.may_reject() && goes_on {
             let patch = curved.packed_triangle(triangle);
             offer_roots_beyond(curved, query, lane, &patch, t);
         }

@@ -5,6 +5,7 @@ mod callbacks;
 mod cluster_query;
 mod counters;
 mod error_bound;
+mod far_rays;
 mod kernel_rays;
 mod triangle_query;
 

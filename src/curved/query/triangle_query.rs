@@ -1,7 +1,7 @@
 //! A query's rays against one triangle.
 
 use super::counters::count;
-use super::kernel_rays::{AnyQuery, kernel_ray, ray_lanes};
+use super::kernel_rays::AnyQuery;
 use crate::curved::bits::set_bits;
 use crate::curved::curved_mesh::CurvedMesh;
 use crate::embree::SurfaceHit;
@@ -21,13 +21,13 @@ pub(super) fn trace_triangle<'a>(
     let patch = curved.packed_triangle(triangle);
     if valid.count_ones() < MIN_PACKET {
         for lane in set_bits(valid) {
-            let ray = kernel_ray(&query.ray(lane));
+            let ray = query.kernel_ray(lane);
             offer_roots(curved, query, lane, &patch, ray);
         }
         return;
     }
     let normals = query.needs_normals();
-    let hits = patch.intersect_packet(&ray_lanes(query), valid, curved.solver, normals);
+    let hits = patch.intersect_packet(&query.rays(), valid, curved.solver, normals);
     count(1, valid.count_ones().into(), hits.evaluations.into());
     for lane in set_bits(hits.found) {
         if !query.report(lane, surface_hit(&hits, lane)) {
@@ -44,7 +44,7 @@ pub(super) fn offer_roots_beyond<'a>(
     patch: &PackedTriangle<'_>,
     t: f32,
 ) {
-    let ray = kernel_ray(&query.ray(lane));
+    let ray = query.kernel_ray(lane);
     let rest = Ray {
         tnear: patch.beyond(&ray, t),
         ..ray
