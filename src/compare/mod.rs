@@ -16,7 +16,7 @@
 //! let corners = vec![DVec3::X, DVec3::Y, DVec3::Z];
 //! let mesh = Mesh::new(corners.clone(), Some(corners), vec![[0, 1, 2]])?;
 //! let device = curvetri::linked::device()?;
-//! let framing = Framing { up: UpAxis::Y, fov_degrees: 35.0, aspect: 1.0, shadows_of: None };
+//! let framing = Framing { up: UpAxis::Y, fov_degrees: Some(35.0), aspect: 1.0, shadows_of: None };
 //! let view = |form| -> Result<View, Box<dyn std::error::Error>> {
 //!     let scene = Scene::new(&device, vec![mesh.clone()], form)?;
 //!     let picture = Picture::new(64, 64, framing.camera(&scene), UpAxis::Y);

@@ -4,7 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::embree::{QueryOptions, Ray, RayPacket, flush_denormals};
-use crate::render::{Camera, CameraError, Lens, Scene, Shading};
+use crate::render::{Camera, CameraError, Lens, Scene, Shading, Vicinity};
 
 /// Rays traced together.
 const LANES: usize = 16;
@@ -51,6 +51,7 @@ impl Probe {
         towards_sun: Vec3,
     ) -> Result<Self, CameraError> {
         let lens = camera.lens(scene.origin(), width, height)?;
+        let lens = lens.near(Vicinity::of(scene.bounds()));
         let probing = Probing {
             scene,
             lens,

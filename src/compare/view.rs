@@ -56,7 +56,7 @@ impl View {
         let (width, height) = (picture.width, picture.height);
         let [columns, rows] = [image.width(), image.height()].map(|n| n as usize);
         assert_eq!([columns, rows], [width, height], "another size");
-        let lens = picture.camera.lens(scene.origin(), width, height)?;
+        let lens = picture.lens(scene)?;
         let inside = |point: Vec2| {
             let ray = lens.ray(point.x, point.y);
             scene.tree().occluded1(&ray, &QueryOptions::COHERENT)

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::camera::{Axes, Camera, UpAxis};
+use super::camera::{Axes, Camera, Projection, UpAxis};
 use super::extent::placed_corners;
 use super::placed_shape::PlacedShape;
 use super::scene::Scene;
@@ -11,6 +11,8 @@ use crate::mesh::Mesh;
 
 /// How much further away than necessary the camera stands, as a share of its distance.
 const MARGIN: f64 = 0.05;
+/// The angle, in degrees, of the camera that sees what an orthographic one does: its rays are as good as parallel.
+const PARALLEL_FOV: f64 = 1e-4;
 /// A shadow longer than this many times the height of what casts it is not shown to its end.
 const LONGEST_SHADOW: f32 = 2.0;
 
@@ -19,8 +21,8 @@ const LONGEST_SHADOW: f32 = 2.0;
 pub struct Framing {
     /// Upwards in the picture.
     pub up: UpAxis,
-    /// The angle that the picture's height covers, in degrees.
-    pub fov_degrees: f64,
+    /// The angle that the picture's height covers, in degrees; `None` for an orthographic camera.
+    pub fov_degrees: Option<f64>,
     /// The picture's width over its height.
     pub aspect: f64,
     /// Towards the sun (unit length), if the shadows on the ground are to be seen as well.
@@ -37,22 +39,37 @@ impl Framing {
         let towards_eye = self.up.turn(DVec3::new(0.5, 0.42, 1.0)).normalize();
         let axes = Axes::new(-towards_eye, self.up.vector());
         let middle = scene.bounds().centre();
-        let eye = self.wedges(scene, &axes).eye(1.0 + MARGIN);
+        let wedges = self.wedges(scene, &axes);
+        let eye = wedges.eye(1.0 + MARGIN);
         // A single point, too, is looked at from somewhere.
         let least = (f64::from(f32::EPSILON) * middle.abs().max_element()).max(1e-30);
         let [x, y, z] = [eye[0], eye[1], eye[2].max(least)];
+        let (distance, projection) = match self.fov_degrees {
+            Some(fov_degrees) => (z, Projection::Perspective { fov_degrees }),
+            None => {
+                let height = 2.0 * self.slope() * z;
+                let distance = wedges.nearest + height + least;
+                (distance, Projection::Orthographic { height })
+            }
+        };
         let target = middle + x * axes.right + y * axes.up;
         Camera {
-            eye: target + z * towards_eye,
+            eye: target + distance * towards_eye,
             target,
             up: self.up.vector(),
-            fov_degrees: self.fov_degrees,
+            projection,
         }
+    }
+
+    /// The slope of the picture's upper edge.
+    fn slope(&self) -> f64 {
+        let fov_degrees = self.fov_degrees.unwrap_or(PARALLEL_FOV);
+        (0.5 * fov_degrees).to_radians().tan()
     }
 
     /// Around everything to be seen, from the middle of the scene's bounds.
     fn wedges(&self, scene: &Scene, axes: &Axes) -> Wedges {
-        let slope = (0.5 * self.fov_degrees).to_radians().tan();
+        let slope = self.slope();
         let none = Wedges {
             slopes: [slope * self.aspect, slope],
             ..Wedges::NONE
@@ -278,7 +295,7 @@ mod tests {
     fn framing(up: UpAxis, aspect: f64) -> Framing {
         Framing {
             up,
-            fov_degrees: 35.0,
+            fov_degrees: Some(35.0),
             aspect,
             shadows_of: None,
         }
@@ -296,32 +313,44 @@ mod tests {
         for up in [UpAxis::Y, UpAxis::Z] {
             for size in [[300_usize, 100], [100, 300]] {
                 let aspect = size[0] as f64 / size[1] as f64;
-                let camera = framing(up, aspect).camera(&scene);
-                let lens = camera.lens(scene.origin(), size[0], size[1]).unwrap();
-                let seen = scene.shapes()[0].mesh().positions().iter();
-                let seen: Vec<_> = seen.map(|&p| lens.seen_at(p).unwrap()).collect();
-                let shares = [0, 1].map(|axis| {
-                    let of = |fold: fn(f32, f32) -> f32, start| {
-                        seen.iter()
-                            .map(|p| p[axis] / size[axis] as f32)
-                            .fold(start, fold)
+                for fov_degrees in [Some(35.0), None] {
+                    let framing = Framing {
+                        fov_degrees,
+                        ..framing(up, aspect)
                     };
-                    [of(f32::min, 1.0), of(f32::max, 0.0)]
-                });
-                assert!(
-                    shares.iter().all(|[low, high]| *low > 0.0 && *high < 1.0),
-                    "{shares:?}"
-                );
-                let fills = shares.iter().any(|[low, high]| high - low > 0.85);
-                assert!(fills, "{shares:?}");
+                    let camera = framing.camera(&scene);
+                    let lens = camera.lens(scene.origin(), size[0], size[1]).unwrap();
+                    let seen = scene.shapes()[0].mesh().positions().iter();
+                    let seen: Vec<_> = seen.map(|&p| lens.seen_at(p).unwrap()).collect();
+                    let shares = [0, 1].map(|axis| {
+                        let of = |fold: fn(f32, f32) -> f32, start| {
+                            seen.iter()
+                                .map(|p| p[axis] / size[axis] as f32)
+                                .fold(start, fold)
+                        };
+                        [of(f32::min, 1.0), of(f32::max, 0.0)]
+                    });
+                    assert!(
+                        shares.iter().all(|[low, high]| *low > 0.0 && *high < 1.0),
+                        "{shares:?}"
+                    );
+                    let fills = shares.iter().any(|[low, high]| high - low > 0.85);
+                    assert!(fills, "{shares:?}");
+                }
             }
         }
     }
 
     #[test]
     fn a_scene_of_one_point_is_looked_at_from_somewhere() {
-        let camera = framing(UpAxis::Y, 1.0).camera(&scene(vec![DVec3::ONE; 3]));
-        assert!(camera.lens(DVec3::ZERO, 9, 9).is_ok(), "{camera:?}");
+        for fov_degrees in [Some(35.0), None] {
+            let framing = Framing {
+                fov_degrees,
+                ..framing(UpAxis::Y, 1.0)
+            };
+            let camera = framing.camera(&scene(vec![DVec3::ONE; 3]));
+            assert!(camera.lens(DVec3::ZERO, 9, 9).is_ok(), "{camera:?}");
+        }
     }
 
     #[test]

@@ -17,7 +17,7 @@
 //! let mesh = Mesh::new(corners.clone(), Some(corners), vec![[0, 1, 2]])?;
 //! let form = Form::Curved(CurvedOptions::default());
 //! let scene = Scene::new(&curvetri::linked::device()?, vec![mesh], form)?;
-//! let framing = Framing { up: UpAxis::Y, fov_degrees: 35.0, aspect: 2.0, shadows_of: None };
+//! let framing = Framing { up: UpAxis::Y, fov_degrees: Some(35.0), aspect: 2.0, shadows_of: None };
 //! let picture = Picture {
 //!     samples: 4,
 //!     integrator: Integrator::Path { depth: 2 },
@@ -55,10 +55,11 @@ mod shape;
 mod stats;
 mod tree;
 mod user_ray;
+mod vicinity;
 
 #[cfg(feature = "compare")]
 pub(crate) use camera::Lens;
-pub use camera::{Camera, CameraError, UpAxis};
+pub use camera::{Camera, CameraError, Projection, UpAxis};
 pub use film::{Background, Film};
 pub use framing::Framing;
 pub use integrate::{Aovs, aovs, render};
@@ -74,3 +75,5 @@ pub use shading::Shading;
 pub use shape::{Form, Shape};
 pub use stats::{MemoryParts, RayCounts, RenderStats, Times};
 pub use user_ray::{RayFault, UserRay};
+#[cfg(feature = "compare")]
+pub(crate) use vicinity::Vicinity;

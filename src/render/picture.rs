@@ -2,20 +2,22 @@
 
 use glam::{DVec3, Vec3};
 
-use super::camera::{Camera, UpAxis};
+use super::camera::{Camera, CameraError, Lens, UpAxis};
 use super::light::Lighting;
 use super::material::Material;
 use super::scene::Scene;
 use super::shading::Shading;
+use super::vicinity::Vicinity;
 use crate::mesh::Bounds;
 
 /// What to render of a scene.
 ///
 /// ```
-/// use curvetri::render::{Camera, Crop, Material, Picture, Shading, UpAxis};
+/// use curvetri::render::{Camera, Crop, Material, Picture, Projection, Shading, UpAxis};
 /// use glam::DVec3;
 ///
-/// let camera = Camera { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, fov_degrees: 35.0 };
+/// let projection = Projection::Perspective { fov_degrees: 35.0 };
+/// let camera = Camera { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, projection };
 /// let picture = Picture {
 ///     crop: Some(Crop { x: 100, y: 50, width: 320, height: 240 }),
 ///     material: Material::Glass { index: 1.5 },
@@ -101,6 +103,9 @@ pub enum Ground {
     Fixed(FixedGround),
 }
 
+/// Where the ground begins to fade, and where it ends, in radii of what lies on it.
+pub(super) const GROUND_FADES: [f64; 2] = [2.0, 12.0];
+
 /// A ground that stays in its place whatever the scene, in the user's space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedGround {
@@ -161,6 +166,19 @@ impl Picture {
             ground: Ground::default(),
             show_sky: false,
         }
+    }
+
+    /// The camera, prepared for a scene.
+    pub(crate) fn lens(&self, scene: &Scene) -> Result<Lens, CameraError> {
+        let lens = self.camera.lens(scene.origin(), self.width, self.height)?;
+        let vicinity = Vicinity::of(scene.bounds());
+        let ground = match self.ground {
+            Ground::None => return Ok(lens.near(vicinity)),
+            Ground::Plane => (scene.bounds().centre(), 0.5 * scene.bounds().diagonal()),
+            Ground::Fixed(ground) => (ground.centre, ground.radius),
+        };
+        let (centre, radius) = ground;
+        Ok(lens.near(vicinity.including(centre, GROUND_FADES[1] * radius)))
     }
 
     /// The part to render.

@@ -29,8 +29,9 @@ pub enum PacketWidth {
 /// The nearest hits of many rays, by the rays' numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Answers {
-    /// Where they hit, in units of the direction's length; infinity for a miss.
-    pub t: Vec<f32>,
+    /// Where they hit, in units of the direction's length; infinity for a miss. As precise as single precision is
+    /// near the scene, however far away the ray begins.
+    pub t: Vec<f64>,
     /// The triangle's number in its mesh; [`NO_PRIMITIVE`] for a miss.
     pub prim_id: Vec<u32>,
     /// Barycentric coordinates of the triangle's second and third vertex; zeros for a miss.
@@ -215,17 +216,19 @@ impl<'a> RayChunk<'a> {
         }
     }
 
-    /// The rays in packets, each with the number in the chunk of its first.
-    fn packets<const N: usize>(self) -> impl Iterator<Item = (usize, RayPacket<N>)> {
+    /// The rays in packets, each with the number in the chunk of its first, and what to add to their t.
+    fn packets<const N: usize>(self) -> impl Iterator<Item = (usize, RayPacket<N>, [f64; N])> {
         let ray = move |i: usize| (self.rays.ray)(self.first + i).localized(self.scene);
         (0..self.count).step_by(N).map(move |first| {
-            let mut packet = RayPacket::<N>::new();
-            for lane in 0..N.min(self.count - first) {
-                if let Ok(ray) = ray(first + lane) {
-                    packet.set_ray(lane, &ray);
+            let (mut packet, mut shifts) = (RayPacket::<N>::new(), [0.0; N]);
+            let lanes = shifts.iter_mut().enumerate();
+            for (lane, shift) in lanes.take(self.count - first) {
+                if let Ok(near) = ray(first + lane) {
+                    packet.set_ray(lane, &near.ray);
+                    *shift = near.shift;
                 }
             }
-            (first, packet)
+            (first, packet, shifts)
         })
     }
 
@@ -245,11 +248,11 @@ impl Job for Nearest<'_> {
         Width<N>: Traced,
     {
         let tree = self.chunk.scene.tree();
-        for (first, mut packet) in self.chunk.packets::<N>() {
+        for (first, mut packet, shifts) in self.chunk.packets::<N>() {
             tree.intersect(&mut packet, &QueryOptions::INCOHERENT);
-            for lane in 0..N {
+            for (lane, shift) in shifts.into_iter().enumerate() {
                 if let Some(hit) = packet.hit(lane) {
-                    self.hits.put(first + lane, &hit, self.chunk.scene);
+                    self.hits.put(first + lane, &hit, shift, self.chunk.scene);
                 }
             }
         }
@@ -269,14 +272,14 @@ impl Job for All<'_> {
         Width<N>: Traced,
     {
         let mut found = [const { Vec::new() }; N];
-        for (first, packet) in self.chunk.packets::<N>() {
+        for (first, packet, shifts) in self.chunk.packets::<N>() {
             self.chunk.scene.all_hits(&packet, false, &mut found);
             let counts = &mut self.count[first..];
             for (lane, (count, hits)) in counts.iter_mut().zip(&found).enumerate() {
                 *count = hits.len() as u32;
                 for (n, hit) in hits.iter().take(self.most).enumerate() {
-                    self.hits
-                        .put((first + lane) * self.most + n, hit, self.chunk.scene);
+                    let slot = (first + lane) * self.most + n;
+                    self.hits.put(slot, hit, shifts[lane], self.chunk.scene);
                 }
             }
         }
@@ -294,7 +297,7 @@ impl Job for Occlusion<'_> {
         Width<N>: Traced,
     {
         let tree = self.chunk.scene.tree();
-        for (first, mut packet) in self.chunk.packets::<N>() {
+        for (first, mut packet, _) in self.chunk.packets::<N>() {
             let lanes = tree.occluded(&mut packet, &QueryOptions::INCOHERENT);
             for (lane, occluded) in self.occluded[first..].iter_mut().take(N).enumerate() {
                 *occluded = lanes & 1 << lane != 0;
@@ -305,15 +308,15 @@ impl Job for Occlusion<'_> {
 
 /// Where a job's hits go.
 struct HitSlots<'a> {
-    t: &'a mut [f32],
+    t: &'a mut [f64],
     prim_id: &'a mut [u32],
     uv: &'a mut [[f32; 2]],
     ng: &'a mut [[f32; 3]],
 }
 
 impl HitSlots<'_> {
-    fn put(&mut self, slot: usize, hit: &Hit, scene: &Scene) {
-        self.t[slot] = hit.t;
+    fn put(&mut self, slot: usize, hit: &Hit, shift: f64, scene: &Scene) {
+        self.t[slot] = shift + f64::from(hit.t);
         self.prim_id[slot] = hit.prim_id;
         self.uv[slot] = [hit.u, hit.v];
         self.ng[slot] = scene.normal(hit).to_array();
@@ -323,7 +326,7 @@ impl HitSlots<'_> {
 impl Answers {
     fn misses(count: usize) -> Self {
         Self {
-            t: vec![f32::INFINITY; count],
+            t: vec![f64::INFINITY; count],
             prim_id: vec![NO_PRIMITIVE; count],
             uv: vec![[0.0; 2]; count],
             ng: vec![[0.0; 3]; count],

@@ -4,7 +4,8 @@ use glam::{DVec3, Vec3};
 use thiserror::Error;
 
 use super::scene::Scene;
-use crate::embree::{LEAST_COMPONENT, Ray};
+use super::vicinity::{NearRay, Vicinity};
+use crate::embree::LEAST_COMPONENT;
 
 /// A ray in the user's space: the points `origin + t direction` with `tnear <= t <= tfar`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,11 +54,12 @@ pub enum RayFault {
 }
 
 impl UserRay {
-    /// The ray in a scene's local space.
+    /// The ray in a scene's local space, moved along itself if it comes from far away. One that ends before it
+    /// comes near has its end before its beginning, and hits nothing.
     ///
     /// # Errors
     /// If it cannot be traced there.
-    pub(super) fn localized(&self, scene: &Scene) -> Result<Ray, RayFault> {
+    pub(super) fn localized(&self, scene: &Scene) -> Result<NearRay, RayFault> {
         let origin = (self.origin - scene.origin()).as_vec3();
         let direction = self.direction.as_vec3();
         let reach = scene.tree().reach();
@@ -79,7 +81,13 @@ impl UserRay {
         if tnear > tfar {
             return Err(RayFault::Ends { tnear, tfar });
         }
-        Ok(Ray::new(origin, direction).between(tnear as f32, tfar as f32))
+        let vicinity = Vicinity::of(scene.bounds());
+        let near = vicinity.localized(self.origin, self.direction, scene.origin());
+        let [tnear, tfar] = [(tnear - near.shift).max(0.0), tfar - near.shift];
+        Ok(NearRay {
+            ray: near.ray.between(tnear as f32, tfar as f32),
+            ..near
+        })
     }
 
     fn check_numbers(&self) -> Result<(), RayFault> {

@@ -3,8 +3,8 @@
 use curvetri::curved::CurvedOptions;
 use curvetri::mesh::Mesh;
 use curvetri::render::{
-    Camera, Crop, Film, Form, Ground, Integrator, Lighting, Material, Picture, Scene, Sky,
-    SphereLight, UpAxis, render,
+    Camera, Crop, Film, Form, Ground, Integrator, Lighting, Material, Picture, Projection, Scene,
+    Sky, SphereLight, UpAxis, render,
 };
 use curvetri_bodies::Body;
 use glam::{DVec3, Vec3, Vec4};
@@ -39,7 +39,7 @@ fn picture(side: usize, integrator: Integrator) -> Picture {
         eye: DVec3::new(1.0, -4.0, 3.0),
         target: DVec3::ZERO,
         up: DVec3::Z,
-        fov_degrees: 38.0,
+        projection: Projection::Perspective { fov_degrees: 38.0 },
     };
     Picture {
         integrator,

@@ -1,5 +1,6 @@
 //! The renderer: scenes with instances, and pictures against what is known of them.
 
+mod far;
 mod instances;
 mod integrators;
 #[cfg(feature = "compare")]

@@ -3,7 +3,7 @@
 use curvetri::compare::Outline;
 use curvetri::curved::CurvedOptions;
 use curvetri::embree::Device;
-use curvetri::render::{Camera, Film, Form, Picture, Scene, UpAxis, render};
+use curvetri::render::{Camera, Film, Form, Picture, Projection, Scene, UpAxis, render};
 use curvetri_bodies::Body;
 use glam::{DVec2, DVec3, Vec2};
 
@@ -15,7 +15,7 @@ fn camera(eye: DVec3) -> Camera {
         eye,
         target: DVec3::ZERO,
         up: DVec3::new(0.0, 1.0, 1.0),
-        fov_degrees: 35.0,
+        projection: Projection::Perspective { fov_degrees: 35.0 },
     }
 }
 
@@ -44,7 +44,7 @@ fn film_is_inside(film: &Film, point: Vec2) -> bool {
 fn truth_is_inside(body: &Body, camera: &Camera, point: Vec2) -> bool {
     let forward = (camera.target - camera.eye).normalize();
     let right = forward.cross(camera.up).normalize();
-    let pixel = 2.0 * (0.5 * camera.fov_degrees).to_radians().tan() / SIDE as f64;
+    let pixel = camera.height_at(camera.eye + forward) / SIDE as f64;
     let DVec2 { x, y } = (point - 0.5 * SIDE as f32).as_dvec2() * pixel;
     let direction = (forward + x * right - y * right.cross(forward)).normalize();
     let mut t = 0.0;

@@ -4,7 +4,8 @@
 use curvetri::curved::CurvedOptions;
 use curvetri::method::Surface;
 use curvetri::render::{
-    Aovs, Camera, Film, Form, Lighting, Picture, Scene, Shading, Sky, UpAxis, aovs, render,
+    Aovs, Camera, Film, Form, Lighting, Picture, Projection, Scene, Shading, Sky, UpAxis, aovs,
+    render,
 };
 use glam::{DVec3, Vec3};
 
@@ -18,7 +19,7 @@ fn picture() -> Picture {
         eye: DVec3::new(0.0, -5.0, 1.0),
         target: DVec3::ZERO,
         up: DVec3::Z,
-        fov_degrees: 25.0,
+        projection: Projection::Perspective { fov_degrees: 25.0 },
     };
     let picture = Picture::new(200, 200, camera, UpAxis::Z);
     Picture {

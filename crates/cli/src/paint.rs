@@ -40,7 +40,7 @@ pub fn paint(scene: &Scene, file: &Path, up: UpAxis, console: &Console) -> Resul
     let [width, height] = SIZE;
     let framing = Framing {
         up,
-        fov_degrees: 35.0,
+        fov_degrees: Some(35.0),
         aspect: width as f64 / height as f64,
         shadows_of: None,
     };

@@ -39,10 +39,13 @@ const EXPECTED: &str = "expected float32 or float64 of shape (N, 6), origin and 
 /// warning says how many there are, and which row, counted from 0, is the first and why.
 ///
 /// HITS.npz holds
-///   t        (N)     float32  distance in units of the direction's length; infinity for a miss
+///   t        (N)     as RAYS  distance in units of the direction's length; infinity for a miss
 ///   prim_id  (N)     uint32   number of the triangle in file order; 4294967295 for a miss
 ///   uv       (N, 2)  float32  barycentric coordinates of the second and third vertex
 ///   ng       (N, 3)  float32  unit normal of the surface; zeros for a miss
+///
+/// Rays from far away are moved along themselves to near the mesh in double precision, so float64 rays
+/// lose nothing however far they come from. t is float64 for them, and float32 for float32 rays.
 ///
 /// With --all-hits K these arrays have shapes (N, K), (N, K), (N, K, 2) and (N, K, 3): the first K
 /// hits of each ray, nearest first, with misses after its last. A further array, count (N; uint32),
@@ -113,7 +116,8 @@ pub fn run(args: &TraceArgs, console: &Console) -> Result<()> {
             console.warn(&describe(&untraceable, rays.rows));
         }
         console.note(&format!("{} of {} rays hit", results.hit(), rays.rows));
-        Ok(output.finish(|out| results.write(out))?)
+        let single = matches!(rays.values, Values::Single(_));
+        Ok(output.finish(|out| results.write(out, single))?)
     })
 }
 
@@ -179,17 +183,17 @@ impl Results {
         }
     }
 
-    /// Writes the arrays as numpy's `savez` does.
-    fn write(&self, out: &mut dyn WriteSeek) -> io::Result<()> {
+    /// Writes the arrays as numpy's `savez` does, t in single precision if so.
+    fn write(&self, out: &mut dyn WriteSeek, single: bool) -> io::Result<()> {
         let mut npz = NpzWriter::new(out);
         match self {
             Self::Nearest(answers) => {
                 let shape = [answers.t.len() as u64];
-                add_hits(&mut npz, &shape, answers)?;
+                add_hits(&mut npz, &shape, answers, single)?;
             }
             Self::All(answers, most) => {
                 let count = answers.count.len() as u64;
-                add_hits(&mut npz, &[count, *most as u64], &answers.hits)?;
+                add_hits(&mut npz, &[count, *most as u64], &answers.hits, single)?;
                 add(&mut npz, "count", &[count], &answers.count)?;
             }
             Self::Occluded(occluded) => {
@@ -216,7 +220,7 @@ fn check_size(rays: usize, most: usize) -> Result<()> {
 }
 
 /// What t, prim_id, uv and ng of a hit take.
-const BYTES_A_HIT: usize = 28;
+const BYTES_A_HIT: usize = 32;
 
 impl PacketChoice {
     fn width(self) -> PacketWidth {
@@ -328,9 +332,15 @@ fn add_hits(
     npz: &mut NpzWriter<&mut dyn WriteSeek>,
     shape: &[u64],
     hits: &Answers,
+    single: bool,
 ) -> io::Result<()> {
     let with = |columns: u64| [shape, &[columns]].concat();
-    add(npz, "t", shape, &hits.t)?;
+    if single {
+        let t: Vec<f32> = hits.t.iter().map(|t| *t as f32).collect();
+        add(npz, "t", shape, &t)?;
+    } else {
+        add(npz, "t", shape, &hits.t)?;
+    }
     add(npz, "prim_id", shape, &hits.prim_id)?;
     add(npz, "uv", &with(2), hits.uv.as_flattened())?;
     add(npz, "ng", &with(3), hits.ng.as_flattened())

@@ -120,6 +120,16 @@ pub fn fov(text: &str) -> Result<f64, String> {
     }
 }
 
+/// What the height of an orthographic picture covers.
+pub fn film_height(text: &str) -> Result<f64, String> {
+    let height = number(text)?;
+    if height > 0.0 && height.is_finite() {
+        Ok(height)
+    } else {
+        Err("the height that a picture covers is above 0".into())
+    }
+}
+
 /// An angle between faces in degrees.
 pub fn crease(text: &str) -> Result<f32, String> {
     let degrees = number(text)?;

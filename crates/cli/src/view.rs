@@ -3,7 +3,7 @@
 use anyhow::Result;
 use clap::Args;
 use curvetri::mesh::FileCamera;
-use curvetri::render::{Camera, Framing, Scene, UpAxis};
+use curvetri::render::{Camera, Framing, Projection, Scene, UpAxis};
 use glam::{DVec3, Vec3};
 
 use super::values::UpChoice;
@@ -41,6 +41,13 @@ pub struct ViewArgs {
     /// else 35]
     #[arg(long, value_name = "DEGREES", value_parser = values::fov)]
     fov: Option<f64>,
+
+    /// An orthographic camera, with parallel rays: what is further away is as large. HEIGHT is what
+    /// the height of the picture covers, in units of the meshes [default: all meshes; with an --eye
+    /// or a camera of the file what --fov covers at the middle of the meshes]
+    #[arg(long, value_name = "HEIGHT", num_args = 0..=1, require_equals = true,
+        value_parser = values::film_height)]
+    orthographic: Option<Option<f64>>,
 }
 
 impl ViewArgs {
@@ -71,14 +78,26 @@ impl ViewArgs {
             None => {
                 let framing = Framing {
                     up: self.up(),
-                    fov_degrees: self.fov.unwrap_or(DEFAULT_FOV),
+                    // From a place of its own an orthographic camera sees what a perspective one does there.
+                    fov_degrees: (self.orthographic.is_none() || self.eye.is_some())
+                        .then(|| self.fov.unwrap_or(DEFAULT_FOV)),
                     aspect,
                     shadows_of,
                 };
                 framing.camera(scene)
             }
         };
-        Ok(self.changed(start))
+        let camera = self.changed(start);
+        Ok(match self.orthographic {
+            None => camera,
+            Some(height) => {
+                let height = height.unwrap_or_else(|| camera.height_at(scene.bounds().centre()));
+                Camera {
+                    projection: Projection::Orthographic { height },
+                    ..camera
+                }
+            }
+        })
     }
 
     /// The camera of the files that the options choose, or the first where they choose none.
@@ -113,7 +132,12 @@ impl ViewArgs {
             eye: self.eye.unwrap_or(start.eye + target - start.target),
             target,
             up: self.up.unwrap_or(start.up),
-            fov_degrees: self.fov.unwrap_or(start.fov_degrees),
+            projection: match (start.projection, self.fov) {
+                (Projection::Perspective { .. }, Some(fov_degrees)) => {
+                    Projection::Perspective { fov_degrees }
+                }
+                (projection, _) => projection,
+            },
         }
     }
 }
@@ -123,6 +147,8 @@ fn from_file(camera: &FileCamera) -> Camera {
         eye: camera.eye,
         target: camera.eye + camera.forward,
         up: camera.up,
-        fov_degrees: camera.fov_degrees,
+        projection: Projection::Perspective {
+            fov_degrees: camera.fov_degrees,
+        },
     }
 }

@@ -42,9 +42,7 @@ pub struct Aovs {
 /// If the picture has no pixel, or the crop is not within it.
 pub fn aovs(scene: &Scene, picture: &Picture) -> Result<Aovs, CameraError> {
     let window = picture.window();
-    let lens = picture
-        .camera
-        .lens(scene.origin(), picture.width, picture.height)?;
+    let lens = picture.lens(scene)?;
     let world = World::new(scene, picture);
     let seen: Vec<Option<(Interaction, f32)>> = (0..window.size[1])
         .into_par_iter()
@@ -103,8 +101,7 @@ fn seen_in_row(
             .enumerate()
             .filter(|(_, x)| columns.contains(x))
         {
-            let direction = packet.ray(lane).direction;
-            row_seen.push(seen[lane].map(|seen| (seen, seen.t * lens.ahead(direction))));
+            row_seen.push(seen[lane].map(|seen| (seen, lens.depth(seen.point))));
         }
     }
     row_seen

@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3, Vec4};
 use super::sampler::{PixelSampler, Sample};
 use crate::curved::CurvedOptions;
 use crate::embree::Ray;
+use crate::render::Projection;
 use crate::render::{
     Camera, Form, Integrator, Lighting, Material, Picture, Scene, Sky, UpAxis, render,
 };
@@ -22,7 +23,7 @@ fn picture() -> Picture {
         eye: DVec3::new(1.5, 2.0, 4.0),
         target: DVec3::ZERO,
         up: DVec3::Y,
-        fov_degrees: 25.0,
+        projection: Projection::Perspective { fov_degrees: 25.0 },
     };
     let mut picture = Picture::new(SIDE, SIDE, camera, UpAxis::Y);
     picture.samples = SAMPLES;

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::interaction::Interaction;
 use crate::embree::Ray;
-use crate::render::picture::{FixedGround, Ground, Picture};
+use crate::render::picture::{FixedGround, GROUND_FADES, Ground, Picture};
 use crate::render::rounding::{reach, rounding};
 use crate::render::scene::Scene;
 
@@ -29,12 +29,11 @@ impl GroundPlane {
             Ground::Plane => FixedGround::under(scene, up),
             Ground::Fixed(ground) => ground,
         };
-        let radius = ground.radius as f32;
         Some(Self {
             up,
             height: (ground.height - origin.dot(up.as_dvec3())) as f32,
             centre: (ground.centre - origin).as_vec3(),
-            fade: [2.0 * radius, 12.0 * radius],
+            fade: GROUND_FADES.map(|fade| (fade * ground.radius) as f32),
         })
     }
 

@@ -45,9 +45,7 @@ pub fn render(
 ) -> Result<(Film, RenderStats), CameraError> {
     let window = picture.window();
     assert!(picture.samples > 0, "a picture of nothing");
-    let lens = picture
-        .camera
-        .lens(scene.origin(), picture.width, picture.height)?;
+    let lens = picture.lens(scene)?;
     let start = Instant::now();
     let estimator = estimator(scene, picture);
     let places = tiles_of(&window);

@@ -326,3 +326,80 @@ fn triangles_within_a_tolerance_in_pixels_stay_flat() {
     let said = shop.fails(2, &args);
     assert!(said.contains("`curvetri render`"), "{said}");
 }
+
+#[test]
+fn an_orthographic_camera_sees_all_or_as_much_as_is_asked_for() {
+    let shop = Workshop::new();
+    let mesh = shop.sphere("ball.obj");
+    let covered = |more: &[&str]| {
+        let picture = shop.path("ball.png");
+        let args = [
+            "render",
+            &mesh,
+            "-o",
+            &picture,
+            "--transparent",
+            "--size",
+            "120x80",
+        ];
+        shop.succeeds(&[&args[..], more].concat());
+        let image = image::open(&picture).unwrap().into_rgba8();
+        let mut outside = (0..120).flat_map(|x| [(x, 0), (x, 79)]);
+        assert!(
+            outside.all(|(x, y)| image.get_pixel(x, y).0[3] == 0),
+            "{more:?}"
+        );
+        let alpha = image.pixels().map(|pixel| f64::from(pixel.0[3]) / 255.0);
+        alpha.sum::<f64>()
+    };
+    let disc = |pixels_a_radius: f64| std::f64::consts::PI * pixels_a_radius.powi(2);
+    // Wherever the camera is.
+    for eye in ["0,0,5", "3e6,4e6,0"] {
+        let share = covered(&["--orthographic=4", "--eye", eye, "--target", "0,0,0"]) / disc(20.0);
+        assert!((share - 1.0).abs() < 5e-3, "{share} from {eye}");
+    }
+    // All of it, and not much more.
+    let share = covered(&["--orthographic"]) / disc(40.0);
+    assert!((0.6..0.95).contains(&share), "{share}");
+    // What a perspective camera sees at the middle, from a place of its own.
+    let share = covered(&["--orthographic", "--eye", "0,0,5", "--fov", "40"])
+        / disc(40.0 / (5.0 * 20_f64.to_radians().tan()));
+    assert!((share - 1.0).abs() < 5e-3, "{share}");
+    for height in ["0", "-1", "inf", "x"] {
+        let height = format!("--orthographic={height}");
+        let said = shop.fails(2, &["render", &mesh, "-o", &shop.path("no.png"), &height]);
+        assert!(said.contains("--orthographic"), "{said}");
+    }
+}
+
+#[test]
+fn a_tolerance_in_pixels_counts_an_orthographic_camera_s() {
+    let shop = Workshop::new();
+    let mesh = shop.path("fine.obj");
+    let ball = shop.sphere("ball.obj");
+    shop.succeeds(&["tessellate", &ball, "--level", "8", "-o", &mesh]);
+    let flat = |height: &str, eye: &str| {
+        let picture = shop.path("ball.png");
+        let args = ["render", &mesh, "-o", &picture, "--samples", "1", "--json"];
+        let height = format!("--orthographic={height}");
+        let view = [
+            &height,
+            "--eye",
+            eye,
+            "--target",
+            "0,0,0",
+            "--size",
+            "40x30",
+            "--tolerance",
+            "1px",
+        ];
+        let said = stdout(&shop.succeeds(&[&args[..], &view].concat()));
+        let stats: serde_json::Value = serde_json::from_str(&said).unwrap();
+        stats["triangles"]["flat_tolerance"].as_u64().unwrap()
+    };
+    // A pixel of a tenth, from within and from far away, or of a ten-thousandth.
+    let near = flat("3", "0,0,1.5");
+    assert!(near > 100, "{near}");
+    assert_eq!(flat("3", "0,0,1e6"), near);
+    assert_eq!(flat("0.003", "0,0,1e6"), 0);
+}

@@ -12,7 +12,8 @@ const NO_PRIMITIVE: u32 = 4_294_967_295;
 /// What a hits file holds.
 #[derive(Debug, PartialEq)]
 struct Hits {
-    t: Vec<f32>,
+    /// Single precision where the rays are.
+    t: Vec<f64>,
     prim_id: Vec<u32>,
     uv: Vec<f32>,
     ng: Vec<f32>,
@@ -59,8 +60,15 @@ fn load(path: &str) -> Hits {
         npy.into_vec().unwrap()
     }
     let mut npz = NpzArchive::open(path).unwrap();
+    let dtype = npz.by_name("t").unwrap().unwrap().dtype().descr();
+    let single = dtype.contains("f4");
     Hits {
-        t: array(&mut npz, "t", &[]),
+        t: if single {
+            let t: Vec<f32> = array(&mut npz, "t", &[]);
+            t.into_iter().map(f64::from).collect()
+        } else {
+            array(&mut npz, "t", &[])
+        },
         prim_id: array(&mut npz, "prim_id", &[]),
         uv: array(&mut npz, "uv", &[2]),
         ng: array(&mut npz, "ng", &[3]),
@@ -109,7 +117,7 @@ fn hits_are_those_of_the_sphere() {
     assert_eq!(hits.t.len(), rays.len());
     let mut compared = 0;
     for (i, ray) in rays.iter().enumerate() {
-        let (t, ng) = (f64::from(hits.t[i]), &hits.ng[3 * i..3 * i + 3]);
+        let (t, ng) = (hits.t[i], &hits.ng[3 * i..3 * i + 3]);
         let expected = sphere_hit(ray);
         // At the very rim rounding decides.
         if expected.is_some() != t.is_finite() {
@@ -121,7 +129,7 @@ fn hits_are_those_of_the_sphere() {
             continue;
         }
         let Some(expected) = expected else {
-            assert_eq!((hits.t[i], hits.prim_id[i]), (f32::INFINITY, NO_PRIMITIVE));
+            assert_eq!((hits.t[i], hits.prim_id[i]), (f64::INFINITY, NO_PRIMITIVE));
             assert_eq!(
                 (ng, &hits.uv[2 * i..2 * i + 2]),
                 (&[0.0; 3][..], &[0.0; 2][..])
@@ -186,7 +194,7 @@ fn packets_of_all_widths_and_any_number_of_threads_agree() {
                 assert!(single == together, "packets of {packet}: {agreeing} agree");
             } else {
                 // Embree's own triangles round differently by the packet's width.
-                let close = |(a, b): (&f32, &f32)| a == b || (a / b - 1.0).abs() < 1e-5;
+                let close = |(a, b): (&f64, &f64)| a == b || (a / b - 1.0).abs() < 1e-5;
                 let close = single
                     .t
                     .iter()
@@ -328,7 +336,7 @@ fn a_ray_that_begins_and_ends_at_its_hit_has_it_with_packets_of_all_widths() {
     let whole = trace(&shop, &mesh, &save_rays(&shop, "rays.npy", &rays), &[]);
     let mut cut: Vec<f64> = Vec::new();
     for (ray, t) in rays.iter().zip(&whole.t) {
-        cut.extend(ray.iter().chain(&[f64::from(*t); 2]));
+        cut.extend(ray.iter().chain(&[*t; 2]));
     }
     let cut = save(&shop, "cut.npy", &[500, 8], Order::C, &cut);
     for packet in ["1", "4", "8", "16"] {
@@ -368,13 +376,43 @@ fn far_from_the_origin_no_digit_is_lost() {
     for (ray, &t) in rays.iter().zip(&hits.t) {
         if let Some(expected) = sphere_hit(ray).filter(|_| nearest_to_centre(ray) < 0.99) {
             compared += 1;
-            assert!(
-                (f64::from(t) / expected - 1.0).abs() < 1e-4,
-                "{t}, not {expected}"
-            );
+            assert!((t / expected - 1.0).abs() < 1e-4, "{t}, not {expected}");
         }
     }
     assert!(compared > 50);
+}
+
+#[test]
+fn double_precision_rays_from_very_far_away_hit_what_they_hit_from_near() {
+    let shop = Workshop::new();
+    let mesh = shop.sphere("ball.obj");
+    let near = random_rays(2000);
+    for far in [1e4, 1e7] {
+        // Moved back along themselves, in their own lengths.
+        let moved: Vec<[f64; 6]> = near
+            .iter()
+            .map(|ray| std::array::from_fn(|i| ray[i] - if i < 3 { far * ray[i + 3] } else { 0.0 }))
+            .collect();
+        let near = save_rays(&shop, "near.npy", &near);
+        let moved = save_rays(&shop, "far.npy", &moved);
+        for form in [
+            &["--surface", "smooth"][..],
+            &["--packet", "16"],
+            &["--surface", "flat"],
+        ] {
+            let [near, moved] = [&near, &moved].map(|rays| trace(&shop, &mesh, rays, form));
+            let differ = (0..near.t.len()).filter(|&i| {
+                let t = moved.t[i] - far;
+                let same_t = near.t[i] == t || (near.t[i] - t).abs() < 1e-4 * near.t[i];
+                near.prim_id[i] != moved.prim_id[i] || !same_t
+            });
+            let differ = differ.count();
+            assert!(
+                differ * 1000 <= near.t.len(),
+                "{differ} differ, {form:?} from {far}"
+            );
+        }
+    }
 }
 
 #[test]

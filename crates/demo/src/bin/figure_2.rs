@@ -52,7 +52,7 @@ fn tile(scene: &Scene) -> Result<RgbaImage, Box<dyn std::error::Error>> {
     let up = UpAxis::Z;
     let framing = Framing {
         up,
-        fov_degrees: 30.0,
+        fov_degrees: Some(30.0),
         aspect: width as f64 / height as f64,
         shadows_of: None,
     };

@@ -93,8 +93,15 @@ fn hits(scene: &Scene, rays: &[UserRay], width: PacketWidth) -> Vec<u32> {
     };
     let answers = answer_rays(scene, &rays, width);
     let hits = answers.t.iter().zip(&answers.prim_id).zip(&answers.uv);
-    hits.flat_map(|((t, prim), uv)| [t.to_bits(), *prim, uv[0].to_bits(), uv[1].to_bits()])
-        .collect()
+    hits.flat_map(|((t, prim), uv)| {
+        [
+            (*t as f32).to_bits(),
+            *prim,
+            uv[0].to_bits(),
+            uv[1].to_bits(),
+        ]
+    })
+    .collect()
 }
 
 fn compare(one: &Path, other: &Path) -> Result<ExitCode, Box<dyn Error>> {
