@@ -41,6 +41,12 @@ impl Bounds {
         })
     }
 
+    /// The greatest distance along an axis of any of its points from this one.
+    pub(crate) fn reach_from(&self, point: DVec3) -> f64 {
+        let [min, max] = [self.min, self.max].map(|p| (p - point).abs());
+        min.max(max).max_element()
+    }
+
     /// The least box around points; of none one that [`union`](Self::union) ignores.
     pub(crate) fn around(points: impl IntoIterator<Item = DVec3>) -> Bounds {
         let none = Bounds {

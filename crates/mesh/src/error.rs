@@ -29,8 +29,9 @@ pub enum MeshError {
     Empty,
     /// There are points, but no triangles.
     #[error(
-        "the mesh has {points} points, no faces; only faces are a surface: make some of the points \
-         first, with a program for point clouds"
+        "the mesh has {points} point{}, no faces; only faces are a surface: make some of the points \
+         first, with a program for point clouds",
+        if *points == 1 { "" } else { "s" }
     )]
     NoFaces {
         /// How many vertices there are.

@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::bounds::Bounds;
-use crate::mesh::{Mesh, holds_shape};
+use crate::mesh::{Mesh, holds_length, holds_shape, longest_edge};
 
 /// Meshes, each once, and where they are placed.
 ///
@@ -134,16 +134,20 @@ impl Parts {
     }
 
     /// Triangles so small, and so far from the [common origin](Parts::common_origin), that single
-    /// precision around it moves their corners by more than a twentieth of their longest edge. What
-    /// that loses is lost where the meshes share a scene; each alone is as it was.
+    /// precision around it moves their corners, or rays at them, by more than a fiftieth of their
+    /// longest edge. What that loses is lost where the meshes share a scene; each alone is as it was.
+    ///
+    /// Instances keep their shape, and only rays lose digits; all triangles of one count, or none, by
+    /// their median size.
     #[must_use]
     pub fn imprecise_triangles(&self) -> u64 {
         let Some(bounds) = self.bounds() else {
             return 0;
         };
         let origin = self.common_origin(&bounds);
-        let moved = self.meshes.iter().zip(self.placed_once());
-        let moved = moved.filter(|(mesh, once)| *once && mesh.origin() != origin);
+        let placed_once = self.placed_once();
+        let moved = self.meshes.iter().zip(&placed_once);
+        let moved = moved.filter(|(mesh, once)| **once && mesh.origin() != origin);
         let imprecise = |mesh: &Mesh| {
             let shift = mesh.origin() - origin;
             let triangles = (0..mesh.triangles().len()).into_par_iter();
@@ -153,7 +157,23 @@ impl Parts {
             };
             triangles.filter(is_imprecise).count() as u64
         };
-        moved.map(|(mesh, _)| imprecise(mesh)).sum()
+        let once: u64 = moved.map(|(mesh, _)| imprecise(mesh)).sum();
+        let sizes: Vec<f64> = (self.meshes.iter().zip(&placed_once))
+            .map(|(mesh, &once)| if once { 0.0 } else { median_edge(mesh) })
+            .collect();
+        let own: Vec<Bounds> = self.meshes.iter().map(Mesh::bounds).collect();
+        let of_instance = |placement: &Placement| {
+            let part = placement.part;
+            let scale = placement.to_user.matrix3.determinant().abs().cbrt();
+            let reach = placement.box_of(&own[part]).reach_from(origin);
+            let is_held = sizes[part] == 0.0 || holds_length(scale * sizes[part], reach);
+            match is_held {
+                true => 0,
+                false => self.meshes[part].triangles().len() as u64,
+            }
+        };
+        let instances = (self.placements.iter()).filter(|p| !placed_once[p.part]);
+        once + instances.map(of_instance).sum::<u64>()
     }
 
     /// The bounds, and the placements' numbers, those furthest from the middle first.
@@ -175,6 +195,19 @@ impl Parts {
             }
         }
         Some((bounds, order))
+    }
+}
+
+/// The median of the lengths of triangles' longest edges.
+fn median_edge(mesh: &Mesh) -> f64 {
+    let corners = |t| mesh.triangle_positions(t).map(|p| p.as_dvec3());
+    let mut lengths: Vec<f64> = (0..mesh.triangles().len())
+        .map(|t| longest_edge(corners(t)))
+        .collect();
+    let middle = lengths.len() / 2;
+    match lengths.is_empty() {
+        true => 0.0,
+        false => *lengths.select_nth_unstable_by(middle, f64::total_cmp).1,
     }
 }
 
@@ -233,9 +266,11 @@ mod tests {
         assert_eq!(imprecise(vec![at(0.0), at(5e6)]), 1);
         let far = vec![at(5e7), at(0.0), at(-5e7)];
         assert_eq!(imprecise(far.clone()), 2);
-        // An instance has an origin of its own.
+        // Rays lose the same on their way to an instance.
         let mut parts = Parts::from(far);
         parts.placements[0].to_user = DAffine3::from_translation(DVec3::Y);
+        assert_eq!(parts.imprecise_triangles(), 2);
+        parts.placements[0].to_user = DAffine3::from_translation(-5e7 * DVec3::X);
         assert_eq!(parts.imprecise_triangles(), 1);
         assert_eq!(Parts::default().imprecise_triangles(), 0);
     }

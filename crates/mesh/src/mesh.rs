@@ -9,18 +9,26 @@ use crate::bounds::Bounds;
 pub(crate) const SAME_NORMAL_ANGLE: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
 /// How far rounding may move the corners of a triangle, as a share of its longest edge.
-const MOST_ROUNDING: f64 = 0.05;
+const MOST_ROUNDING: f64 = 0.02;
+
+/// Whether single precision moves nothing that is so far from the origin by much of this length.
+pub(crate) fn holds_length(length: f64, reach: f64) -> bool {
+    0.5 * f64::from(f32::EPSILON) * reach <= MOST_ROUNDING * length
+}
+
+/// The length of a triangle's longest edge.
+pub(crate) fn longest_edge([a, b, c]: [DVec3; 3]) -> f64 {
+    a.distance(b).max(b.distance(c)).max(c.distance(a))
+}
 
 /// Whether single precision around a local origin keeps the shape of a triangle with these corners,
 /// which are at these places around the origin. A triangle without size has no shape to lose.
 pub(crate) fn holds_shape(corners: [DVec3; 3], around_origin: [DVec3; 3]) -> bool {
-    let [a, b, c] = corners;
-    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+    let longest = longest_edge(corners);
     let reach = around_origin
         .iter()
         .fold(0.0, |reach: f64, p| reach.max(p.abs().max_element()));
-    let rounding = 0.5 * f64::from(f32::EPSILON) * reach;
-    longest == 0.0 || rounding <= MOST_ROUNDING * longest
+    longest == 0.0 || holds_length(longest, reach)
 }
 
 /// A triangle mesh with unit vertex normals and one index for both.

@@ -219,7 +219,7 @@ fn out_of_range(faces: &[[u32; 3]], count: usize, allowed: Option<u32>) -> Optio
     })
 }
 
-/// Triangles whose corners single precision around this origin moves by more than a twentieth of
+/// Triangles whose corners single precision around this origin moves by more than a fiftieth of
 /// their longest edge.
 fn count_imprecise(positions: &[DVec3], triangles: &[[u32; 3]], origin: DVec3) -> u64 {
     let is_imprecise = |t: &&[u32; 3]| {
@@ -319,6 +319,8 @@ mod tests {
         };
         assert_eq!(both(far), 1);
         assert_eq!(both(1e-3 * far), 0);
+        // What is of little use at 200 km is good at 20.
+        assert_eq!((both(4e-1 * far), both(4e-2 * far)), (1, 0));
     }
 
     #[test]

@@ -23,7 +23,7 @@ pub struct LoadReport {
     /// precision shows. No ray hits them.
     pub degenerate_triangles: u64,
     /// Triangles so small, and so far from the mesh's [origin](crate::Mesh::origin), that single
-    /// precision moves their corners by more than a twentieth of their longest edge.
+    /// precision moves their corners by more than a fiftieth of their longest edge.
     pub imprecise_triangles: u64,
     /// Vertices that no face names. They decide nothing and are left out.
     pub unused_vertices: u64,
@@ -77,10 +77,10 @@ impl LoadReport {
             (
                 self.imprecise_triangles,
                 if self.imprecise_triangles == 1 {
-                    "triangle lies so far from the origin that single precision does not hold its \
+                    "triangle lies so far from the rest that single precision does not hold its \
                      shape; move the parts nearer to each other, or load them one at a time"
                 } else {
-                    "triangles lie so far from the origin that single precision does not hold \
+                    "triangles lie so far from the rest that single precision does not hold \
                      their shape; move the parts nearer to each other, or load them one at a time"
                 },
             ),

@@ -55,9 +55,9 @@ impl Skipped {
     /// A sentence for the user, if anything was skipped.
     pub(crate) fn warning(&self) -> Option<String> {
         let first = self.first.as_ref()?;
-        Some(format!(
-            "{} wrong elements were skipped; the first: {first}",
-            self.count
-        ))
+        Some(match self.count {
+            1 => format!("1 wrong element was skipped: {first}"),
+            count => format!("{count} wrong elements were skipped; the first: {first}"),
+        })
     }
 }

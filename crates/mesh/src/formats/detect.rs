@@ -18,7 +18,7 @@ pub(super) enum Format {
 }
 
 /// How files start that are no meshes or not read, in any case, and what they are.
-const OTHERS: [(&str, &str); 36] = [
+const OTHERS: [(&str, &str); 41] = [
     (
         "version https://git-lfs",
         "this is a Git LFS pointer in place of the file; `git lfs pull` fetches the file itself",
@@ -58,6 +58,14 @@ const OTHERS: [(&str, &str); 36] = [
         "this is a BREP file; its program can export a mesh",
     ),
     ("Ogawa", "this is an Alembic file"),
+    ("xof 0", "this is a DirectX file"),
+    (
+        "AC10",
+        "this is a DWG drawing; its program can export a mesh",
+    ),
+    ("0\nSECTION", DXF),
+    ("0\r\nSECTION", DXF),
+    ("0\rSECTION", DXF),
     (
         "DRACO",
         "this is a Draco file; `draco_decoder` makes an OBJ or PLY file of it",
@@ -91,6 +99,7 @@ const OTHERS: [(&str, &str); 36] = [
 ];
 
 const HTML: &str = "this is a web page in place of the file; see what it says in a browser";
+const DXF: &str = "this is a DXF drawing; its program can export a mesh";
 const COLLADA: &str = "this is a COLLADA file";
 
 /// How many bytes at the start of an XML file are searched for its kind, which may come late.
@@ -243,6 +252,7 @@ mod tests {
         assert_eq!(format(b"PLY\nformat ascii 1.0\n"), Ok(Format::Ply));
         assert_eq!(format(b"solid x\nendsolid x\n"), Ok(Format::StlText));
         assert_eq!(format(b"\nSOLID\nfacet\n"), Ok(Format::StlText));
+        assert_eq!(format(b"Facet normal 0 0 1\n"), Ok(Format::StlText));
         assert_eq!(format(b" {\"asset\": 1}"), Ok(Format::Gltf));
         assert_eq!(format(b"glTF\x02\0\0\0"), Ok(Format::Glb));
         for off in [
@@ -289,6 +299,7 @@ mod tests {
         assert!(what(b"ISO-10303-21;\nHEADER;\n").contains("STEP"));
         assert!(what(b"#VRML V2.0 utf8\n").contains("VRML"));
         assert!(what(b"#usda 1.0\n").contains("USD"));
+        assert!(what(b"  0\r\nSECTION\r\n  2\r\nHEADER").contains("DXF"));
         assert_eq!(what(b""), "the file is empty");
         assert_eq!(what(b"\r\n \0\0"), "the file is empty");
     }

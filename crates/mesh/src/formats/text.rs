@@ -48,10 +48,13 @@ pub(super) fn take_mark(bytes: &mut Vec<u8>) -> bool {
 }
 
 /// How many of the bytes are text before what only fills up the end: zeros, and the Ctrl-Z that ends
-/// files of DOS.
+/// files of DOS, with white space between and behind them.
 pub(super) fn length_without_padding(bytes: &[u8]) -> usize {
-    let last = bytes.iter().rposition(|byte| !b"\0\x1a".contains(byte));
-    last.map_or(0, |last| last + 1)
+    let fills = |byte: &u8| b"\0\x1a".contains(byte);
+    let is_text = |byte: &u8| !fills(byte) && !byte.is_ascii_whitespace();
+    let text = bytes.iter().rposition(is_text).map_or(0, |last| last + 1);
+    let padding = bytes[text..].iter().position(fills);
+    padding.map_or(bytes.len(), |padding| text + padding)
 }
 
 /// The bytes of a text: UTF-8, and where that fails Latin-1, which always succeeds. Zeros at the end
@@ -222,6 +225,8 @@ mod tests {
         assert_eq!(marked(b"\xef\xbb\xbf\xef\xbb\xbf", text.into()), text);
         assert_eq!(decoded(b"v 1 # \xfc".to_vec()), text);
         assert_eq!(decoded(b"v 1\x1a\0\0".to_vec()), "v 1");
+        assert_eq!(decoded(b"v 1\n\x1a\r\n".to_vec()), "v 1\n");
+        assert_eq!(decoded(b"v 1\n \n".to_vec()), "v 1\n \n");
         assert_eq!(decoded(b"\0\x1a".to_vec()), "");
     }
 

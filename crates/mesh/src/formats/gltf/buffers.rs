@@ -360,7 +360,12 @@ fn fetch(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
         None => uri,
     };
     let name = percent_encoding::percent_decode_str(name).decode_utf8_lossy();
-    let file = path.with_file_name("").join(&*name);
+    let beside = |name: &str| path.with_file_name("").join(name);
+    let mut file = beside(&name);
+    // Programs of Windows may part folders so.
+    if name.contains('\\') && !file.exists() {
+        file = beside(&name.replace('\\', "/"));
+    }
     let refused = |what: String| format!("cannot read {}: {what}", file.display());
     // Devices and pipes may have no end.
     if file.exists() && !file.is_file() {

@@ -32,6 +32,8 @@ pub(super) struct MeshReader<'a> {
     used: HashSet<(bool, usize)>,
     /// The number of the mesh that is read.
     part: u32,
+    /// Vertices of primitives that are points or lines.
+    pub(super) points: usize,
     pub(super) report: LoadReport,
     pub(super) skipped: Skipped,
 }
@@ -91,6 +93,7 @@ impl<'a> MeshReader<'a> {
             normals: HashMap::new(),
             used: HashSet::new(),
             part: 0,
+            points: 0,
             report: LoadReport::default(),
             skipped,
         }
@@ -151,6 +154,11 @@ impl<'a> MeshReader<'a> {
             Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan
         ) {
             self.report.skipped_elements += 1;
+            if let Some(positions) = attribute(primitive, Semantic::Positions)
+                && let Ok(positions) = self.vectors(positions)
+            {
+                self.points += positions.len();
+            }
             return Ok(());
         }
         let recipe = self.recipe(primitive, pose)?;

@@ -22,7 +22,8 @@ use gltf::json::validation::Checked;
 use gltf::json::{self, Accessor, Index, Root};
 
 use super::Parsed;
-use crate::error::Fault;
+use super::text::length_without_padding;
+use crate::error::{Fault, MeshError};
 use crate::instances::Placement;
 use crate::model::Model;
 use crate::report::LoadReport;
@@ -35,10 +36,13 @@ use pose::Pose;
 /// Reads a glTF file, JSON or binary; `path` is for the files it names.
 pub(super) fn read(bytes: &[u8], path: &Path, skipped: Skipped) -> Result<Parsed, Fault> {
     let (json, binary) = split(bytes)?;
-    let root = match Root::from_slice(&json) {
+    // Exporters fill up with zeros, and write a mark within a GLB file too.
+    let json = &json[..length_without_padding(&json)];
+    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    let root = match Root::from_slice(json) {
         Ok(root) if is_read(&root.asset.version) => root,
         Ok(root) => return Err(Fault::Content(wrong_version(&root.asset.version))),
-        Err(error) => return Err(json_fault(&json, binary.is_some(), error)),
+        Err(error) => return Err(json_fault(json, binary.is_some(), error)),
     };
     read_model(&root, binary, path, skipped)
 }
@@ -117,6 +121,12 @@ fn read_model(
     let mut reader = MeshReader::new(&buffers, skipped);
     reader.report = report;
     let model = read_meshes(root, &nodes, &buffers, &mut reader)?;
+    if reader.points > 0 && reader.report.polygons == 0 && reader.skipped.count() == 0 {
+        return Err(MeshError::NoFaces {
+            points: reader.points,
+        }
+        .into());
+    }
     let mut report = reader.report.clone();
     report.unused_vertices = reader.unused_vertices();
     let parsed = Parsed {

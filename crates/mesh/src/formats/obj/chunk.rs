@@ -72,8 +72,8 @@ impl Count {
             match line.keyword {
                 "v" => count.vertices += 1,
                 "vn" => count.normals += 1,
-                // What is wrong is found when it is read.
-                "s" => count.group = smoothing_group(&line).ok(),
+                // What is wrong is told when it is read, or skipped.
+                "s" => count.group = smoothing_group(&line).ok().or(count.group),
                 _ => {}
             }
         }
@@ -131,7 +131,10 @@ impl Chunk<'_> {
                     normals += 1;
                 }
                 "f" | "fo" => self.face(&line, &mut corners, &mut part)?,
-                "s" => self.so_far.group = Some(smoothing_group(&line)?),
+                "s" => match smoothing_group(&line) {
+                    Ok(group) => self.so_far.group = Some(group),
+                    Err(fault) => part.skipped.skip("the line", fault)?,
+                },
                 "l" | "p" | "curv" | "curv2" | "surf" => part.no_surface += 1,
                 "mtllib" => part.libraries.add(line.rest.trim()),
                 _ => {}

@@ -338,8 +338,19 @@ fn smoothing_groups_decide_what_is_smooth() {
     );
     assert_eq!(
         error_of("v 0 0 0\ns one\n"),
-        "models/test.obj:2: \"one\" is no smoothing group: that is a number or off"
+        "models/test.obj:2: \"one\" is no smoothing group: that is a number or off; \
+         --lenient skips the line"
     );
+}
+
+#[test]
+fn lenient_reading_skips_wrong_smoothing_groups_and_keeps_the_last() {
+    let text = square("s 1\nf 1 2 3\ns one\nf 1 3 4\n");
+    let loaded = Loader::new().lenient(true).load_bytes(text.into(), "x.obj");
+    let loaded = loaded.unwrap();
+    assert_eq!(loaded.report.skipped_faults, 1);
+    assert_eq!(Topology::new(&loaded.mesh).counts().hard, 0);
+    assert_eq!(loaded.report.normals.by_group, 6);
 }
 
 #[test]

@@ -57,7 +57,7 @@ fn split(bytes: &[u8]) -> Result<(&[u8], &[u8], usize), Fault> {
         let line = &bytes[from..from + length];
         let line_end = &bytes[from + length..from + length + end];
         from += length + end;
-        if line.trim_ascii() == b"end_header" {
+        if line.trim_ascii().eq_ignore_ascii_case(b"end_header") {
             // In a file whose lines end in carriage returns a line feed is the body's first byte.
             if line_end == b"\r\n" && number > 1 && !has_line_feeds {
                 from -= 1;
@@ -72,7 +72,11 @@ fn split(bytes: &[u8]) -> Result<(&[u8], &[u8], usize), Fault> {
 }
 
 fn parse_header(bytes: &[u8]) -> Result<Header, Fault> {
-    let text = decode(bytes.to_vec());
+    let mut text = decode(bytes.to_vec());
+    // What is written in capitals as a whole means the same.
+    if !text.contains("end_header") {
+        text.make_ascii_lowercase();
+    }
     // The parser knows neither blank lines, nor spaces around them, nor "PLY". It gets a line for each
     // line, so that numbers stay: what stands before the first word follows it as comments.
     let mut clean = String::with_capacity(text.len());

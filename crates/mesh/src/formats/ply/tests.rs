@@ -248,6 +248,8 @@ fn the_body_starts_behind_the_end_of_the_headers_last_line() {
     assert_eq!(raw.positions[0], 10.0 * DVec3::X);
     let capitals = header.replacen("ply\n", "\n\n PLY \n", 1);
     assert!(strict([capitals.as_bytes(), &body].concat()).is_ok());
+    let all = header.to_ascii_uppercase();
+    assert!(strict([all.as_bytes(), &body].concat()).is_ok());
     let wrong = capitals.replace("element face", "elements face");
     assert_eq!(line_fault([wrong.as_bytes(), &body].concat()).0, 9);
 }

@@ -64,7 +64,9 @@ pub(in crate::formats) fn is_whole_binary(bytes: &[u8]) -> bool {
     };
     let behind = bytes.len() - HEAD;
     if UNKNOWN.contains(&promised) {
-        return behind.is_multiple_of(FACET) && behind > 0 && is_plausible(&bytes[HEAD..]);
+        let is_whole =
+            || behind.is_multiple_of(FACET) || Layout::with_attributes(bytes, None).is_some();
+        return is_plausible(&bytes[HEAD..]) && is_whole();
     }
     let count = promised as usize;
     behind as u64 == FACET as u64 * u64::from(promised)
@@ -78,7 +80,7 @@ pub(in crate::formats) fn is_empty_binary(bytes: &[u8]) -> bool {
 
 /// Whether some bytes start with a facet of usual numbers.
 fn is_plausible(facet: &[u8]) -> bool {
-    let Some(facet) = facet.first_chunk() else {
+    let Some(facet) = facet.first_chunk::<FACET>() else {
         return false;
     };
     let (_, corners) = numbers(facet);
@@ -142,7 +144,7 @@ fn layout(bytes: &[u8], promised: u32, facets: &mut Facets) -> Result<Layout, Fa
     let found = layout.offsets.len();
     match count {
         None if found > 0 => facets.warnings.push(format!(
-            "the header's number of facets, {promised}, is none; {found} were read, as the file's \
+            "the header says {promised} facets, which is wrong; {found} were read, as the file's \
              length says"
         )),
         Some(count) if found < count => {

@@ -146,6 +146,7 @@ fn white_space_of_any_kind_separates_keywords_and_numbers() {
         format!("solid a {one_line} endsolid a"),
         format!("solid\n{one_word}\rendsolid\r"),
         format!("solid my facet part\n{facets}endsolid my facet part\n"),
+        format!("{facets}endsolid\n\x1a\n"),
         format!("solid a\nendsolid a solid b {one_line} endsolid"),
         format!(
             "solid a\n{}end solid a\n",
@@ -222,13 +223,13 @@ fn a_number_of_facets_that_says_nothing_is_taken_from_the_length() {
     let plain = [CORNERS, OTHERS].map(|c| with_attributes(c, b""));
     let padded = [CORNERS, OTHERS].map(|c| with_attributes(c, b"xyz"));
     for promised in [0, u32::MAX] {
-        for (records, name) in [(&plain, "x.stl"), (&plain, "x"), (&padded, "x.stl")] {
+        for (records, name) in [(&plain, "x.stl"), (&plain, "x"), (&padded, "x")] {
             let loaded = loaded(binary(promised, records), name);
             assert_eq!(loaded.mesh.bounds().max, DVec3::new(1.0, 1.0, 0.0));
             assert_eq!(
                 loaded.report.warnings,
                 [format!(
-                    "the header's number of facets, {promised}, is none; 2 were read, as the file's \
+                    "the header says {promised} facets, which is wrong; 2 were read, as the file's \
                      length says"
                 )]
             );

@@ -19,10 +19,12 @@ enum Place {
     Facet(DVec3, Vec<DVec3>),
 }
 
-/// Whether the first word of a file is that of a text STL; a name may stand right behind it.
+/// Whether the first word of a file is that of a text STL. A name may stand right behind "solid".
 pub(in crate::formats) fn starts_as_text(word: &[u8]) -> bool {
     let start = word.get(..5);
+    // Without the first line it is cut off at the start.
     start.is_some_and(|start| start.eq_ignore_ascii_case(b"solid"))
+        || word.eq_ignore_ascii_case(b"facet")
 }
 
 /// Whether a file has the keywords of a text STL, so that zeros in it are no sign of a binary one.

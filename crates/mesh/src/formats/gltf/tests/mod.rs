@@ -329,6 +329,39 @@ fn a_vertex_that_is_not_finite_is_named() {
 }
 
 #[test]
+fn points_and_lines_alone_are_told() {
+    for mode in 0..4 {
+        let points = format!("{{\"attributes\":{{\"POSITION\":0}},\"mode\":{mode}}}");
+        let error = error_of(ACCESSORS, &points, "{\"mesh\":0}");
+        assert!(error.contains("has 4 points, no faces"), "{error}");
+    }
+}
+
+#[test]
+fn a_binary_file_may_pad_its_json_with_zeros_and_mark_it() {
+    let text = json(&data(), ACCESSORS, &primitive(2), "{\"mesh\":0}", false);
+    let text = format!("\u{feff}{text}\0\0\0\0\0\0\0");
+    let loaded = Loader::new().load_bytes(glb(&text, &data().bytes), "x.glb");
+    assert_eq!(loaded.unwrap().mesh.triangles().len(), 2);
+}
+
+#[test]
+fn a_buffers_address_may_have_backslashes_for_slashes() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = json(&data(), ACCESSORS, &primitive(2), "{\"mesh\":0}", false);
+    let text = text.replacen(
+        "\"buffers\":[{",
+        "\"buffers\":[{\"uri\":\"deep\\\\the%20data.bin\",",
+        1,
+    );
+    let load = || Loader::new().load_bytes(text.clone().into(), folder.path().join("x.gltf"));
+    assert!(load().is_err());
+    std::fs::create_dir(folder.path().join("deep")).unwrap();
+    std::fs::write(folder.path().join("deep/the data.bin"), data().bytes).unwrap();
+    assert_eq!(load().unwrap().mesh.triangles().len(), 2);
+}
+
+#[test]
 fn wrong_buffers_json_and_extensions_are_refused() {
     let text = json(&data(), ACCESSORS, &primitive(2), "{\"mesh\":0}", true);
     let with = |from: &str, to: &str| load_text(&text.replacen(from, to, 1)).unwrap_err();

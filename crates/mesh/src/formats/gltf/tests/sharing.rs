@@ -115,7 +115,7 @@ fn a_wrong_corner_is_named_with_what_lenient_skips() {
     assert_eq!((report.polygons, report.skipped_faults), (1, 1));
     assert_eq!(
         report.warnings[1],
-        format!("1 wrong elements were skipped; the first: {what}")
+        format!("1 wrong element was skipped: {what}")
     );
     // A primitive that cannot be read at all, beside one that can.
     let both = format!("{},{{\"attributes\":{{\"POSITION\":9}}}}", primitive(2));
