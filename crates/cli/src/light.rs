@@ -1,6 +1,5 @@
 //! The options for lights, ground and background.
 
-use anyhow::Result;
 use clap::{Args, ValueEnum};
 use curvetri::mesh::{Bounds, FileCone, FileLamp, Scenery};
 use curvetri::render::{
@@ -8,7 +7,7 @@ use curvetri::render::{
 };
 use glam::DVec3;
 
-use super::{usage, values};
+use super::values;
 
 #[derive(Args)]
 #[command(next_help_heading = "Light and ground")]

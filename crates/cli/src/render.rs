@@ -8,7 +8,7 @@ use clap::Args;
 use curvetri::embree::Device;
 use curvetri::mesh::Scenery;
 use curvetri::output::OutputFile;
-use curvetri::render::{Aovs, Crop, Film, Form, Ground, Picture, RenderStats, Scene, aovs, render};
+use curvetri::render::{Aovs, Crop, Film, Ground, Picture, RenderStats, Scene, aovs, render};
 
 use super::console::Console;
 use super::integrator::IntegratorArgs;
@@ -92,7 +92,7 @@ pub fn run(args: &RenderArgs, console: &Console) -> Result<()> {
         Some(_) => args.surface.form_within(0.0)?,
         None => args.surface.form()?,
     };
-    let format = args.check(form)?;
+    let format = args.check()?;
     let device = device(args.threads)?;
     let (film, stats) = on_threads(args.threads, || {
         let start = Instant::now();
@@ -145,7 +145,7 @@ fn traced(scene: &Scene, picture: &Picture, console: &Console) -> Result<(Film, 
 
 impl RenderArgs {
     /// Refuses what does not go together, before any work.
-    fn check(&self, form: Form) -> Result<PictureFormat> {
+    fn check(&self) -> Result<PictureFormat> {
         let size = self.size()?;
         if let Some(crop) = self.crop
             && (crop.x + crop.width > size[0] || crop.y + crop.height > size[1])

@@ -255,9 +255,14 @@ impl SurfaceArgs {
         }
         let imprecise = parts.imprecise_triangles();
         if imprecise > 0 {
+            let triangles = if imprecise == 1 {
+                "triangle"
+            } else {
+                "triangles"
+            };
             console.warn(&format!(
                 "the meshes lie so far apart that single precision does not hold the shape of \
-                 {imprecise} triangles; move them nearer to each other, or render them one by one"
+                 {imprecise} {triangles}; move them nearer to each other, or render them one by one"
             ));
         }
         Ok((parts, scenery))

@@ -18,3 +18,4 @@ mod render;
 mod tessellate;
 mod trace;
 mod trace_all_hits;
+mod warnings;
