@@ -111,9 +111,11 @@ impl Inspection {
 
     fn on_computed_normals(&self) -> Option<Advice> {
         let normals = &self.report.normals;
-        (normals.stored + normals.faceted + normals.averaged == 0).then_some(Advice::ComputedNormals {
-            hard_edges: self.topology.hard,
-        })
+        (normals.stored + normals.faceted + normals.averaged == 0).then_some(
+            Advice::ComputedNormals {
+                hard_edges: self.topology.hard,
+            },
+        )
     }
 
     fn on_flat_triangles(&self) -> [Counted; 4] {
