@@ -272,6 +272,7 @@ fn as_json(inspection: &Inspection, legend: bool) -> String {
         "edges": object(edge_kinds(inspection)),
         "closed": inspection.topology.is_closed(),
         "problems": object(problems(inspection)),
+        "warnings": inspection.report.warnings,
         "kinds": object(kinds(inspection)),
         "spheres": object(spheres(inspection)),
         "heights": {

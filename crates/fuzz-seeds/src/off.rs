@@ -18,6 +18,13 @@ pub fn files() -> Vec<File> {
             "texture",
             text("STOFF\n", &prism(), " 0.25 1e-3", " # a face").into(),
         ),
+        ("marked", text("\u{feff}OFF\n", &prism(), "", "").into()),
+        (
+            "on one line",
+            text("CSTOFF\n", &prism(), " 0.5 0 1 0.25 1", "")
+                .replace('\n', " ")
+                .into(),
+        ),
         ("glued", text("OFF", &prism(), "", "").into()),
         (
             "any white space",

@@ -44,6 +44,7 @@ pub fn files() -> Vec<File> {
                 .replace("endfacet", "end facet")
                 .into(),
         ),
+        ("text marked", ["\u{feff}", &of(ball())].concat().into()),
         ("binary with attributes", attributes(&torus())),
         ("binary without a number", without_number(&ball(), 0)),
         ("binary with all ones", without_number(&ball(), u32::MAX)),

@@ -327,8 +327,14 @@ mod tests {
     fn points_alone_and_triangles_without_area_are_told() {
         let mut raw = one_triangle();
         raw.corners.clear();
-        let error = raw.into_mesh(&NormalOptions::default()).unwrap_err();
+        let error = raw
+            .clone()
+            .into_mesh(&NormalOptions::default())
+            .unwrap_err();
         assert!(error.to_string().contains("3 points, no faces"), "{error}");
+        raw.positions.truncate(1);
+        let error = raw.into_mesh(&NormalOptions::default()).unwrap_err();
+        assert!(error.to_string().contains("1 point, no faces"), "{error}");
         let mut raw = one_triangle();
         raw.corners = vec![[0, 1, 1], [2, 2, 2]];
         let (_, report) = raw.into_mesh(&NormalOptions::default()).unwrap();

@@ -32,7 +32,28 @@ fn an_empty_mesh_is_named() {
     let shop = Workshop::new();
     let said = refusal(&shop, &shop.write("empty.obj", "v 0 0 0\n"));
     assert!(
-        said.contains("empty.obj") && said.contains("no triangles"),
+        said.contains("empty.obj") && said.contains("1 point, no faces"),
+        "{said}"
+    );
+}
+
+#[test]
+fn lenient_skips_and_counts_what_is_refused_without() {
+    let shop = Workshop::new();
+    let wrong = shop.write("wrong.obj", format!("{TRIANGLE}f 1 2 9\nf 1//7 2 3\n"));
+    let said = shop.fails(1, &["inspect", &wrong]);
+    assert!(
+        said.contains("wrong.obj:5") && said.contains("--lenient skips the face"),
+        "{said}"
+    );
+    let json = stdout(&shop.succeeds(&["inspect", &wrong, "--lenient", "--json"]));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["warnings"].as_array().unwrap().len(), 1, "{json}");
+    let output = shop.succeeds(&["inspect", &wrong, "--lenient"]);
+    let (told, said) = (stdout(&output), stderr(&output));
+    assert!(told.contains("2 skipped faults"), "{told}");
+    assert!(
+        said.contains("2 wrong elements were skipped; the first: line 5"),
         "{said}"
     );
 }

@@ -31,9 +31,13 @@ pub(crate) fn damaged(files: Vec<Vec<u8>>) -> impl Strategy<Value = Vec<u8>> {
     })
 }
 
-/// Reads a file: an error names it, and a mesh is sound.
+/// Reads a file, also leniently: an error names it, and a mesh is sound.
 pub(crate) fn check(file: Vec<u8>) -> Result<(), TestCaseError> {
-    let loader = Loader::new();
+    check_by(Loader::new(), file.clone())?;
+    check_by(Loader::new().lenient(true), file)
+}
+
+fn check_by(loader: Loader<'_>, file: Vec<u8>) -> Result<(), TestCaseError> {
     let parts = loader.load_parts_bytes(file.clone(), "damaged".as_ref());
     let whole = loader.load_bytes(file, "damaged");
     prop_assert_eq!(parts.is_ok(), whole.is_ok());

@@ -18,7 +18,7 @@ pub(super) enum Format {
 }
 
 /// How files start that are no meshes or not read, in any case, and what they are.
-const OTHERS: [(&str, &str); 41] = [
+const OTHERS: [(&str, &str); 48] = [
     (
         "version https://git-lfs",
         "this is a Git LFS pointer in place of the file; `git lfs pull` fetches the file itself",
@@ -42,6 +42,21 @@ const OTHERS: [(&str, &str); 41] = [
         "LASF",
         "this is a point cloud (LAS); it has points, no faces",
     ),
+    (
+        "ASTM-E57",
+        "this is a point cloud (E57); it has points, no faces",
+    ),
+    ("0\nSECTION", DXF),
+    ("0\r\nSECTION", DXF),
+    ("999\n", DXF),
+    ("999\r\n", DXF),
+    ("AutoCAD Binary DXF", DXF),
+    (
+        "//Maya ASCII",
+        "this is a Maya file; Maya can export a mesh",
+    ),
+    ("*HEADING", "this is an Abaqus file"),
+    ("\u{89}HDF", "this is an HDF5 file"),
     ("# vtk DataFile", "this is a VTK file"),
     ("$MeshFormat", "this is a Gmsh file"),
     ("MeshVersionFormatted", "this is a Medit file"),
@@ -63,8 +78,6 @@ const OTHERS: [(&str, &str); 41] = [
         "AC10",
         "this is a DWG drawing; its program can export a mesh",
     ),
-    ("0\nSECTION", DXF),
-    ("0\r\nSECTION", DXF),
     ("0\rSECTION", DXF),
     (
         "DRACO",
@@ -188,16 +201,36 @@ fn first_word(bytes: &[u8]) -> &[u8] {
         .unwrap_or_default()
 }
 
-/// Whether a line starts with a keyword of OBJ that has to do with a surface.
+/// Whether a text is OBJ: some line has a keyword of it and a number, or all lines have keywords.
 fn is_obj(text: &[u8]) -> bool {
-    const KEYWORDS: [&[u8]; 14] = [
-        b"v", b"f", b"vn", b"vt", b"vp", b"fo", b"l", b"p", b"curv", b"curv2", b"surf", b"o", b"g",
-        b"mtllib",
+    const NUMBERS: [&[u8]; 11] = [
+        b"v", b"f", b"vn", b"vt", b"vp", b"fo", b"l", b"p", b"curv", b"curv2", b"surf",
     ];
-    lines(text).any(|line| {
-        let word = line.split(u8::is_ascii_whitespace).next();
-        word.is_some_and(|word| KEYWORDS.contains(&word))
-    })
+    const NAMES: [&[u8]; 5] = [b"o", b"g", b"s", b"mtllib", b"usemtl"];
+    fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+        let words = line.split(u8::is_ascii_whitespace);
+        words.filter(|word| !word.is_empty())
+    }
+    let has_number = |line| {
+        let mut words = words(line);
+        words.next().is_some_and(|word| NUMBERS.contains(&word))
+            && words.next().is_some_and(starts_as_number)
+    };
+    let has_keyword = |line| {
+        let word = words(line).next();
+        word.is_some_and(|word| NUMBERS.contains(&word) || NAMES.contains(&word))
+    };
+    lines(text).any(has_number) || lines(text).next().is_some() && lines(text).all(has_keyword)
+}
+
+/// Whether a word of an OBJ file may be a number; a backslash may stand before it, in the next line.
+fn starts_as_number(word: &[u8]) -> bool {
+    word.starts_with(b"\\")
+        || word
+            .iter()
+            .find(|byte| !b"+-.".contains(byte))
+            .is_some_and(u8::is_ascii_digit)
+        || std::str::from_utf8(word).is_ok_and(|word| number(word).is_some())
 }
 
 /// What a text is that is no mesh.
@@ -267,7 +300,14 @@ mod tests {
         }
         assert_eq!(format(b"v 0 0 0\n"), Ok(Format::Obj));
         assert_eq!(format(b"rubbish\rf 1 2 3"), Ok(Format::Obj));
-        assert_eq!(format(b"mtllib x\n\0\0\x1a"), Ok(Format::Obj));
+        for obj in [
+            "mtllib x\n\0\0\x1a",
+            "see below\nv -.5 0 0\n",
+            "v \\\n 0 0 0\n",
+            "v nan 0 0",
+        ] {
+            assert_eq!(format(obj.as_bytes()), Ok(Format::Obj), "{obj}");
+        }
     }
 
     #[test]
@@ -298,6 +338,7 @@ mod tests {
         assert!(what(b"version https://git-lfs.github.com/spec/v1\n").contains("git lfs pull"));
         assert!(what(b"ISO-10303-21;\nHEADER;\n").contains("STEP"));
         assert!(what(b"#VRML V2.0 utf8\n").contains("VRML"));
+        assert!(what(b"//Maya ASCII 2022 scene\n").contains("Maya"));
         assert!(what(b"#usda 1.0\n").contains("USD"));
         assert!(what(b"  0\r\nSECTION\r\n  2\r\nHEADER").contains("DXF"));
         assert_eq!(what(b""), "the file is empty");
@@ -320,6 +361,13 @@ mod tests {
             long.ends_with(&format!("with \"{}\"...", "a".repeat(40))),
             "{long}"
         );
+        for prose in [
+            "v is a letter\nas is o\n",
+            "f. 12\np and q",
+            "\ng force\nof l is 12",
+        ] {
+            assert!(what(prose).contains("unknown format"), "{prose}");
+        }
         assert!(what("OFFICE hours").contains("OFFICE"));
         assert!(what("coffee 1 2 3").contains("coffee"));
     }

@@ -11,7 +11,7 @@ mod ply;
 mod stl;
 mod text;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::error::{Fault, LoadError};
 use crate::model::Model;
@@ -58,6 +58,17 @@ impl Parsed {
             }
         }
     }
+}
+
+/// The file that the file at `path` names, beside it. Programs on Windows write `\` between folders;
+/// here that may be part of a name, so what is there comes first.
+fn beside(path: &Path, name: &str) -> PathBuf {
+    let folder = path.with_file_name("");
+    let as_written = folder.join(name);
+    if as_written.exists() {
+        return as_written;
+    }
+    folder.join(name.replace('\\', "/"))
 }
 
 /// Reads the bytes of a file. Its content decides the format; the path is for messages, and for

@@ -117,6 +117,8 @@ struct Reader<'a> {
     has: Attributes,
     vertices: usize,
     faces: usize,
+    /// How many numbers a colour has.
+    colour: usize,
 }
 
 /// Reads the text of an OFF file.
@@ -130,9 +132,18 @@ pub(super) fn read(text: &str, skipped: Skipped) -> Result<Parsed, Fault> {
     if reader.lines_left() == reader.vertices + reader.faces {
         return Err(fault);
     }
-    let others = [Layout::WordsAndFaceColours, Layout::Words];
-    let parsed = others.map(|layout| reader.clone().body(layout, skipped.fresh()));
-    parsed.into_iter().find_map(Result::ok).ok_or(fault)
+    let layouts = [Layout::WordsAndFaceColours, Layout::Words];
+    let with_colours = |colour| layouts.map(|layout| (layout, colour));
+    // The second only matters where there are colours.
+    let others = [4, 3].into_iter().take(1 + usize::from(reader.has.colours));
+    let read = |(layout, colour)| {
+        let reader = Reader {
+            colour,
+            ..reader.clone()
+        };
+        reader.body(layout, skipped.fresh()).ok()
+    };
+    others.flat_map(with_colours).find_map(read).ok_or(fault)
 }
 
 impl<'a> Reader<'a> {
@@ -180,11 +191,19 @@ impl<'a> Reader<'a> {
                 words = next_line;
             }
         }
+        // The first vertex's line shows how many numbers a colour has.
+        let mut first = words.clone();
+        let numbers = match first.next_line_with_words() {
+            true => first.rest_of_line().count(),
+            false => 0,
+        };
+        let colour = numbers.checked_sub(has.numbers(0));
         Ok(Reader {
             words,
             has,
             vertices,
             faces,
+            colour: colour.filter(|n| (1..=4).contains(n)).unwrap_or(4),
         })
     }
 
@@ -215,11 +234,19 @@ impl<'a> Reader<'a> {
             let what = "the file goes on after the last face".into();
             return Err(Fault::Line(self.words.line_number(), what));
         }
+        let mut warnings = Vec::new();
+        if layout == Layout::Lines && self.words.next_line_with_words() {
+            warnings.push(format!(
+                "the file goes on behind its last face, in line {}; that was not read",
+                self.words.line_number()
+            ));
+        }
         let fault = |_, error| Fault::Mesh(error);
         let faces = faces.check_positions(&raw.positions, &mut skipped, fault)?;
         let report = LoadReport {
             polygons: faces.polygons,
             skipped_elements: faces.too_small,
+            warnings,
             ..LoadReport::default()
         };
         raw.corners = faces.into_triangles(&raw.positions).corners;
@@ -238,14 +265,7 @@ impl<'a> Reader<'a> {
         let mut raw = RawMesh::default();
         let mut normals = NormalColumns::new(has);
         let mut numbers = Vec::new();
-        // A colour has 3 or 4 numbers, which the first line shows.
-        let mut words = self.words.clone();
-        let first_line = match words.next_line_with_words() {
-            true => words.rest_of_line().count(),
-            false => 0,
-        };
-        let colour = if first_line == has.numbers(3) { 3 } else { 4 };
-        let count = has.numbers(colour);
+        let count = has.numbers(self.colour);
         for vertex in 0..self.vertices {
             numbers.clear();
             if layout == Layout::Lines {
@@ -277,7 +297,7 @@ impl<'a> Reader<'a> {
                 false => position,
             });
             if has.normals {
-                normals.push(&numbers[has.coordinates()..], colour);
+                normals.push(&numbers[has.coordinates()..], self.colour);
             }
         }
         raw.normals = normals.chosen();
@@ -451,7 +471,7 @@ mod tests {
         let unit = [DVec3::X, DVec3::Y, DVec3::NEG_Z];
         let n = ["1 0 0", "0 1 0", "0 0 -1"];
         // Colours of 0 to 255 and of 0 to 1, three numbers or four; pure red is as long as a normal.
-        let colours = ["200 30 30 255", "0.5 0.25 1 1", "1 0 0 1", "12 0 0"];
+        let colours = ["200 30 30 255", "0.5 0.25 1 1", "1 0 0 1", "12 0 0", "7"];
         for keyword in ["NCOFF", "CNOFF", "ncoff", "CNSTOFF", "STNCOFF", "NcOFF"] {
             let texture = if keyword.contains("ST") {
                 " 0.5 0.25"
@@ -508,6 +528,22 @@ mod tests {
             assert_eq!(raw.positions, expected.positions, "{text}");
             assert_eq!(raw.corners, expected.corners, "{text}");
         }
+        for colour in ["9 0 0", "9 0 0 255"] {
+            let vertices = SQUARE.replace('\n', &format!(" {colour} 0 0 1\n"));
+            let text = format!("NCOFF 4 2 0 {vertices} 4 0 1 2 3 3 0 1 2").replace('\n', " ");
+            let raw = flat(&text);
+            assert_eq!(raw.positions, expected.positions, "{text}");
+            assert_eq!(raw.normals, [DVec3::Z; 4], "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_behind_the_last_face_is_told() {
+        let text = format!("OFF\n4 1 0\n{SQUARE}4 0 1 2 3\n\n3 0 1 2\n");
+        assert_eq!(
+            read(&text, Skipped::new(false)).unwrap().report.warnings,
+            ["the file goes on behind its last face, in line 9; that was not read"]
+        );
     }
 
     #[test]

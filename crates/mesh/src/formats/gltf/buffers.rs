@@ -18,12 +18,13 @@ use gltf::json::validation::Checked;
 use gltf::json::{Index, Root};
 
 use super::extensions;
+use crate::formats::beside;
 
 /// Numbers that any file may have.
 const MIN_NUMBERS: usize = 1 << 16;
 
-/// Corners that any file may use again.
-const MAX_AGAIN: usize = 1 << 24;
+/// Corners that any file may use again. Larger files may use as many as they have bytes.
+const MIN_AGAIN: usize = 1 << 24;
 
 /// The bytes of all buffers.
 pub(super) struct Buffers<'a> {
@@ -67,7 +68,7 @@ impl<'a> Buffers<'a> {
             bytes,
             first_same: first_same(&root.accessors),
             left: Cell::new(total.max(MIN_NUMBERS)),
-            again: Cell::new(MAX_AGAIN),
+            again: Cell::new(total.max(MIN_AGAIN)),
         })
     }
 
@@ -93,7 +94,7 @@ impl<'a> Buffers<'a> {
     pub(super) fn allow_again(&self, corners: usize) -> Result<(), String> {
         let left = self.again.get().checked_sub(corners);
         self.again.set(left.ok_or_else(|| {
-            format!("it uses {corners} corners again, too many; at most {MAX_AGAIN} may be")
+            format!("it uses {corners} corners again, too many for a file of this size")
         })?);
         Ok(())
     }
@@ -360,12 +361,7 @@ fn fetch(uri: &str, path: &Path) -> Result<Vec<u8>, String> {
         None => uri,
     };
     let name = percent_encoding::percent_decode_str(name).decode_utf8_lossy();
-    let beside = |name: &str| path.with_file_name("").join(name);
-    let mut file = beside(&name);
-    // Programs of Windows may part folders so.
-    if name.contains('\\') && !file.exists() {
-        file = beside(&name.replace('\\', "/"));
-    }
+    let file = beside(path, &name);
     let refused = |what: String| format!("cannot read {}: {what}", file.display());
     // Devices and pipes may have no end.
     if file.exists() && !file.is_file() {

@@ -14,8 +14,8 @@ use gltf::json::{Accessor, Index, Mesh};
 
 use super::attribute;
 use super::buffers::{Buffers, Elements};
-use super::pose::{Displacement, Influences, Pose, influence_accessors, turn};
-use crate::error::Fault;
+use super::pose::{Displacement, Influences, Pose, has_joints, influence_accessors, turn};
+use crate::error::{Fault, check_position};
 use crate::normals::NO_NORMAL;
 use crate::raw_mesh::RawMesh;
 use crate::report::LoadReport;
@@ -291,13 +291,17 @@ impl<'a> MeshReader<'a> {
         }
         let influences = match &pose.skin {
             None => None,
-            Some((_, matrices)) => {
+            Some(skin) => {
                 for accessors in influence_accessors(primitive) {
                     let accessors = accessors.map(|accessor| accessor.value());
                     position_key.extend(accessors);
                     normal_key.extend(accessors);
                 }
-                let (matrices, buffers) = (matrices.clone(), self.buffers);
+                let matrices = match has_joints(primitive) {
+                    true => skin.matrices.clone(),
+                    false => Rc::from([skin.node]),
+                };
+                let buffers = self.buffers;
                 Some(Influences::new(primitive, count, matrices, buffers)?)
             }
         };
@@ -360,10 +364,9 @@ impl Recipe<'_> {
         if let Some(matrix) = self.matrix(element)? {
             position = matrix.transform_point3(position);
         }
-        let DVec3 { x, y, z } = position;
-        match position.is_finite() {
-            true => Ok(position),
-            false => Err(format!("vertex {element} is not finite: {x} {y} {z}")),
+        match check_position(element, position) {
+            Ok(()) => Ok(position),
+            Err(wrong) => Err(wrong.to_string()),
         }
     }
 

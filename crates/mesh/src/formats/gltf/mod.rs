@@ -31,7 +31,7 @@ use crate::skipped::Skipped;
 use buffers::Buffers;
 use meshes::MeshReader;
 use nodes::WorldTransforms;
-use pose::Pose;
+use pose::{Pose, Skin};
 
 /// Reads a glTF file, JSON or binary; `path` is for the files it names.
 pub(super) fn read(bytes: &[u8], path: &Path, skipped: Skipped) -> Result<Parsed, Fault> {
@@ -89,11 +89,21 @@ fn wrong_version(version: &str) -> String {
 fn json_fault(json: &[u8], is_binary: bool, error: json::Error) -> Fault {
     let value: Option<json::Value> = json::deserialize::from_slice(json).ok();
     let asset = value.as_ref().map(|value| value.get("asset"));
-    let version = asset.and_then(|asset| asset?.get("version")?.as_str());
+    let version = asset.and_then(|asset| asset?.get("version"));
+    // Some write it as a number.
+    let version = version.map(|version| version.to_string().replace('"', ""));
     if let Some(version) = version
-        && !is_read(version)
+        && !is_read(&version)
     {
-        return Fault::Content(wrong_version(version));
+        return Fault::Content(wrong_version(&version));
+    }
+    // In version 1.0 what is listed has names in place of numbers, and the version may be missing.
+    let list = |name| value.as_ref().and_then(|value| value.get(name));
+    let mut lists = ["meshes", "nodes", "accessors"]
+        .into_iter()
+        .filter_map(list);
+    if lists.any(json::Value::is_object) {
+        return Fault::Content(wrong_version("1.0"));
     }
     if asset == Some(None) {
         let what = "this is JSON, but no glTF: it has no \"asset\"";
@@ -164,7 +174,7 @@ fn read_meshes(
         // The node's own transform does not matter then.
         let mut placement = to_user;
         match node.skin.map(|skin| skin.value()) {
-            Some(skin) if pose::has_joints(mesh) => {
+            Some(skin) if mesh.primitives.iter().any(pose::has_joints) => {
                 let matrices = match skins.entry(skin) {
                     Entry::Occupied(known) => known.into_mut(),
                     Entry::Vacant(new) => {
@@ -172,7 +182,11 @@ fn read_meshes(
                         new.insert(matrices.map_err(Fault::Content)?)
                     }
                 };
-                pose.skin = Some((skin, matrices.clone()));
+                pose.skin = Some(Skin {
+                    number: skin,
+                    matrices: matrices.clone(),
+                    node: to_user,
+                });
                 placement = DAffine3::IDENTITY;
             }
             Some(_) => without_joints += 1,
@@ -214,7 +228,7 @@ fn shape(mesh: &json::Mesh, pose: &Pose, buffers: &Buffers<'_>) -> Vec<u64> {
     let number = |accessor: Option<Index<Accessor>>| {
         accessor.map_or(NONE, |accessor| buffers.first_same(accessor) as u64)
     };
-    let mut shape = vec![pose.skin.as_ref().map_or(NONE, |(skin, _)| *skin as u64)];
+    let mut shape = vec![(pose.skin.as_ref()).map_or(NONE, |skin| skin.number as u64)];
     shape.push(pose.weights.len() as u64);
     shape.extend(pose.weights.iter().map(|weight| weight.to_bits()));
     for primitive in &mesh.primitives {
@@ -232,7 +246,10 @@ fn shape(mesh: &json::Mesh, pose: &Pose, buffers: &Buffers<'_>) -> Vec<u64> {
             shape.extend(targets.flat_map(|t| [t.positions, t.normals].map(number)));
             shape.push(NONE);
         }
-        if pose.skin.is_some() {
+        if let Some(skin) = &pose.skin {
+            if !pose::has_joints(primitive) {
+                shape.extend(skin.node.to_cols_array().map(f64::to_bits));
+            }
             let influences = pose::influence_accessors(primitive);
             shape.extend(influences.flat_map(|both| both.map(|a| number(Some(a)))));
             shape.push(NONE);

@@ -17,8 +17,16 @@ use crate::model::{normal_matrix, turn_normal};
 pub(super) struct Pose {
     /// The weights of morph targets; empty if all are zero.
     pub(super) weights: Vec<f64>,
-    /// The skin's number and the matrices of its joints, from the mesh's space to the scene's.
-    pub(super) skin: Option<(usize, Rc<[DAffine3]>)>,
+    pub(super) skin: Option<Skin>,
+}
+
+/// What places the vertices of a mesh with a skin.
+pub(super) struct Skin {
+    pub(super) number: usize,
+    /// Of its joints, from the mesh's space to the scene's.
+    pub(super) matrices: Rc<[DAffine3]>,
+    /// From the node's space to the scene's: for primitives that no joint moves.
+    pub(super) node: DAffine3,
 }
 
 /// The weights of a mesh's morph targets at a node: the node's own or the mesh's; empty if all are
@@ -32,13 +40,10 @@ pub(super) fn weights(node: &Node, mesh: &Mesh) -> Vec<f64> {
     weights.iter().copied().map(f64::from).collect()
 }
 
-/// Whether all primitives of a mesh say which joints move them.
-pub(super) fn has_joints(mesh: &Mesh) -> bool {
-    let has = |primitive: &Primitive| {
-        attribute(primitive, Semantic::Joints(0)).is_some()
-            && attribute(primitive, Semantic::Weights(0)).is_some()
-    };
-    mesh.primitives.iter().all(has)
+/// Whether a primitive says which joints move it.
+pub(super) fn has_joints(primitive: &Primitive) -> bool {
+    attribute(primitive, Semantic::Joints(0)).is_some()
+        && attribute(primitive, Semantic::Weights(0)).is_some()
 }
 
 /// The matrices of a skin's joints: each joint's way to the scene, behind its inverse bind matrix.
@@ -91,7 +96,8 @@ pub(super) struct Displacement<'a> {
 
 /// Which joints move the vertices of a primitive, and how much.
 pub(super) struct Influences<'a> {
-    /// Four joints a vertex, and their weights, in as many sets as there are.
+    /// Four joints a vertex, and their weights, in as many sets as there are. Without any the first
+    /// matrix moves all.
     sets: Vec<[Elements<'a, 4>; 2]>,
     matrices: Rc<[DAffine3]>,
 }

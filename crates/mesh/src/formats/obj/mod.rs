@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Parsed, Progress};
+use super::{Parsed, Progress, beside};
 use crate::error::{Fault, MeshError, check_sizes};
 use crate::raw_mesh::RawMesh;
 use crate::report::LoadReport;
@@ -153,8 +153,7 @@ fn vertex_fault(text: &str, vertex: u32, error: MeshError) -> Fault {
 
 fn warn(report: &mut LoadReport, libraries: &Libraries, path: &Path) {
     for library in &libraries.names {
-        let beside = path.with_file_name("").join(library.replace('\\', "/"));
-        if !beside.is_file() {
+        if !beside(path, library).is_file() {
             report.warnings.push(format!(
                 "the material library {library} was not found; the mesh is read without it"
             ));

@@ -13,7 +13,7 @@ mod text;
 use glam::DVec3;
 
 use super::Parsed;
-use crate::error::{Fault, MAX_INDICES, MeshError};
+use crate::error::{Fault, MAX_INDICES, MeshError, check_position};
 use crate::raw_mesh::RawMesh;
 use crate::report::LoadReport;
 use crate::skipped::Skipped;
@@ -43,14 +43,11 @@ impl Facets {
         }
     }
 
-    /// Adds the present facet, if its corners are finite.
+    /// Adds the present facet, if its corners may be those of a mesh.
     fn push(&mut self, normal: DVec3, corners: [DVec3; 3]) -> Result<(), Fault> {
-        if let Some(DVec3 { x, y, z }) = corners.iter().find(|p| !p.is_finite()) {
-            let what = format!(
-                "facet {} has a corner that is not finite: {x} {y} {z}",
-                self.number
-            );
-            return Err(Fault::Content(what));
+        for (corner, &position) in (1..).zip(&corners) {
+            let what = |wrong| Fault::Content(format!("facet {}: {wrong}", self.number));
+            check_position(corner, position).map_err(what)?;
         }
         let [a, b, c] = corners;
         if (b - a).cross(c - a).dot(normal) < 0.0 {

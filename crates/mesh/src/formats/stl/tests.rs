@@ -117,7 +117,7 @@ fn a_binary_file_that_is_cut_off_or_not_finite_is_refused_by_facet() {
     infinite[1][2] = f32::INFINITY;
     assert_eq!(
         what(&binary(2, &[one, record([0.; 3], infinite)])),
-        "facet 2 has a corner that is not finite: 1 0 inf; --lenient skips the facet"
+        "facet 2: vertex 2 is not finite: 1 0 inf; --lenient skips the facet"
     );
 }
 

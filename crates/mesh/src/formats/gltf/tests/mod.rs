@@ -346,22 +346,6 @@ fn a_binary_file_may_pad_its_json_with_zeros_and_mark_it() {
 }
 
 #[test]
-fn a_buffers_address_may_have_backslashes_for_slashes() {
-    let folder = tempfile::tempdir().unwrap();
-    let text = json(&data(), ACCESSORS, &primitive(2), "{\"mesh\":0}", false);
-    let text = text.replacen(
-        "\"buffers\":[{",
-        "\"buffers\":[{\"uri\":\"deep\\\\the%20data.bin\",",
-        1,
-    );
-    let load = || Loader::new().load_bytes(text.clone().into(), folder.path().join("x.gltf"));
-    assert!(load().is_err());
-    std::fs::create_dir(folder.path().join("deep")).unwrap();
-    std::fs::write(folder.path().join("deep/the data.bin"), data().bytes).unwrap();
-    assert_eq!(load().unwrap().mesh.triangles().len(), 2);
-}
-
-#[test]
 fn wrong_buffers_json_and_extensions_are_refused() {
     let text = json(&data(), ACCESSORS, &primitive(2), "{\"mesh\":0}", true);
     let with = |from: &str, to: &str| load_text(&text.replacen(from, to, 1)).unwrap_err();
@@ -441,4 +425,56 @@ fn a_mesh_of_several_nodes_is_one_part_with_as_many_placements() {
     // What is squeezed flat has no normals left.
     let normals = loaded.report.normals;
     assert_eq!((normals.stored, normals.made), (6, 6));
+}
+
+#[test]
+fn a_backslash_in_the_address_of_a_buffer_stands_for_a_slash() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = data();
+    std::fs::create_dir(folder.path().join("data")).unwrap();
+    let file = folder.path().join("data").join("square 1.bin");
+    std::fs::write(file, &data.bytes).unwrap();
+    let text = json(&data, ACCESSORS, &primitive(2), "{\"mesh\":0}", false);
+    let load = |address: &str| {
+        let length = data.bytes.len();
+        let from = format!("\"byteLength\":{length}}}");
+        assert!(text.contains(&from));
+        let to = format!("\"byteLength\":{length},\"uri\":\"{address}\"}}");
+        let text = text.replace(&from, &to);
+        Loader::new().load_bytes(text.into(), folder.path().join("x.gltf"))
+    };
+    for address in [
+        "data/square%201.bin",
+        r"data\\square%201.bin",
+        r".\\data\\square 1.bin",
+        "data%5Csquare 1.bin",
+    ] {
+        assert_square(&load(address).unwrap().mesh);
+    }
+    let error = load(r"other\\square.bin").unwrap_err().to_string();
+    assert!(error.contains("cannot read"), "{error}");
+    // Elsewhere it may be part of a name.
+    let file = folder.path().join(r"data\other.bin");
+    if std::fs::write(file, &data.bytes).is_ok() {
+        assert_square(&load(r"data\\other.bin").unwrap().mesh);
+    }
+}
+
+#[test]
+fn gltf_1_is_told_however_it_says_so() {
+    for text in [
+        r#"{"asset":{"version":"1.0"},"meshes":{"m":{"primitives":[]}}}"#,
+        r#"{"asset":{"version":1.1},"meshes":{"m":{"primitives":[]}}}"#,
+        r#"{"asset":{"version":"1.0"}}"#,
+        r#"{"asset":{},"nodes":{"n":{"meshes":["m"]}}}"#,
+        r#"{"scene":"s","accessors":{},"meshes":{"m":{"primitives":[]}}}"#,
+    ] {
+        let error = load_text(text).unwrap_err();
+        assert!(
+            error.starts_with("x.gltf: this is glTF 1.") && error.contains("gltf-pipeline"),
+            "{text}: {error}"
+        );
+    }
+    let error = load_text(r#"{"vertices":[0,1,2]}"#).unwrap_err();
+    assert!(error.contains("no glTF"), "{error}");
 }

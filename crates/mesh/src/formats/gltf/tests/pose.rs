@@ -185,6 +185,18 @@ fn a_skin_on_a_mesh_without_joints_is_told_and_the_node_places_it() {
     );
 }
 
+#[test]
+fn a_primitive_without_joints_is_where_the_node_of_its_skin_is() {
+    let both = format!("{SKINNED},{}", primitive(2));
+    let nodes = "{\"mesh\":0,\"skin\":0,\"translation\":[0,5,0]},{\"translation\":[2,0,0]},\
+                 {\"translation\":[2,0,3]},{\"mesh\":0,\"skin\":0,\"translation\":[0,7,0]}";
+    let loaded = load_text(&skinned_text(&both, nodes, SKIN)).unwrap();
+    let first = |triangle: usize| loaded.mesh.triangle_positions(triangle)[0].to_array();
+    assert_eq!([0, 4].map(first), [[2., 0., 0.]; 2]);
+    assert_eq!([2, 6].map(first), [[0., 5., 0.], [0., 7., 0.]]);
+    assert_eq!(loaded.report.warnings, [] as [String; 0]);
+}
+
 /// The square with two morph targets: the first lifts vertex 2 by 4 and tilts its normal, the second
 /// moves all along x by 1.
 fn morphed(mesh_weights: &str, node: &str) -> Result<Loaded, String> {
