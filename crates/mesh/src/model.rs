@@ -49,8 +49,11 @@ impl Model {
     /// are placed more often stay parts of their own, but for placements whose transform no instance
     /// can have.
     pub fn split(mut self) -> Result<Model, Fault> {
-        self.placements
-            .retain(|u| !self.parts[u.part].corners.is_empty());
+        let has_faces = |u: &Placement| !self.parts[u.part].corners.is_empty();
+        // Where there are no faces at all, the points are counted in what is said of it.
+        if self.placements.iter().any(has_faces) {
+            self.placements.retain(has_faces);
+        }
         let mut counts = vec![0_usize; self.parts.len()];
         self.placements.iter().for_each(|u| counts[u.part] += 1);
         let boxes: Vec<_> = (self.parts.iter().zip(&counts))
