@@ -279,10 +279,13 @@ mod tests {
     }
 
     #[test]
-    fn a_file_without_triangles_is_one_empty_part() {
-        for placements in [&[(2, moved(0.0))][..], &[]] {
+    fn a_file_without_triangles_is_one_part_of_its_points() {
+        let points = model(&[]).parts[2].positions.len();
+        for (placements, points) in [(&[(2, moved(0.0))][..], points), (&[], 0)] {
             let split = model(placements).split().unwrap();
-            assert_eq!(split.parts, [RawMesh::default()]);
+            assert_eq!(split.parts.len(), 1);
+            assert!(split.parts[0].corners.is_empty());
+            assert_eq!(split.parts[0].positions.len(), points);
         }
     }
 }
