@@ -43,22 +43,32 @@ pub(super) struct Fan {
 impl Fan {
     /// Takes up the given corners (numbers into the flattened `triangles`), all at one place.
     pub(super) fn gather(&mut self, places: &[Vec3], triangles: &[[u32; 3]], corners: &[u32]) {
-        self.spokes.clear();
+        self.gather_faces(places, triangles, corners);
         self.edges.clear();
-        for (i, &corner) in corners.iter().enumerate() {
-            let t = triangles[corner as usize / 3];
-            let k = corner as usize % 3;
-            let [here, next, prev] = [t[k], t[(k + 1) % 3], t[(k + 2) % 3]];
-            let p = [here, next, prev].map(|v| places[v as usize].as_dvec3());
-            self.spokes.push(Spoke {
-                face: face_at(p),
-                triangle: corner / 3,
-            });
-            self.edges.push((next, false, i as u32));
-            self.edges.push((prev, true, i as u32));
+        for (i, &corner) in (0u32..).zip(corners) {
+            let [_, next, prev] = around(triangles, corner);
+            self.edges.push((next, false, i));
+            self.edges.push((prev, true, i));
         }
         self.edges.sort_unstable();
         self.groups.reset(corners.len());
+    }
+
+    /// The same for [`face`](Self::face) alone: the corners cannot be joined.
+    pub(super) fn gather_faces(
+        &mut self,
+        places: &[Vec3],
+        triangles: &[[u32; 3]],
+        corners: &[u32],
+    ) {
+        self.spokes.clear();
+        self.spokes.extend(corners.iter().map(|&corner| {
+            let vertices = around(triangles, corner);
+            Spoke {
+                face: face_at(vertices.map(|v| places[v as usize].as_dvec3())),
+                triangle: corner / 3,
+            }
+        }));
     }
 
     /// The face of a corner, by its place in the list that was gathered.
@@ -66,8 +76,8 @@ impl Fan {
         self.spokes[corner].face
     }
 
-    /// Joins the two faces of each edge that is smooth and at which their windings agree. A triangle too thin to have a normal takes over
-    /// that of a neighbour, so that it does not separate the faces beside it.
+    /// Joins the two faces of each edge that is smooth and at which their windings agree. A triangle too thin to
+    /// have a normal takes over that of a neighbour, so that it does not separate the faces beside it.
     pub(super) fn join(&mut self, smoothness: Smoothness<'_>) {
         let edges = std::mem::take(&mut self.edges);
         for _ in 0..MAX_SPREADS {
@@ -138,6 +148,12 @@ impl Fan {
             DVec3::Z
         }
     }
+}
+
+/// The vertices of a corner's triangle, from that corner on.
+fn around(triangles: &[[u32; 3]], corner: u32) -> [u32; 3] {
+    let (triangle, k) = (triangles[corner as usize / 3], corner as usize % 3);
+    [triangle[k], triangle[(k + 1) % 3], triangle[(k + 2) % 3]]
 }
 
 /// Calls `pair` for every two corners that have an edge in common in opposite directions.

@@ -8,6 +8,7 @@ mod naive;
 mod weights;
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -225,15 +226,18 @@ pub(crate) fn assign(
     if options.policy == NormalsPolicy::Auto {
         maker.naive = maker.naive_weight();
     }
+    let parts = tasks(at_place.len()).map(|range| maker.part(range));
+    join(places, corners.len(), &at_place, parts.collect())
+}
+
+/// So many places in ranges, one a parallel task.
+fn tasks(places: usize) -> impl IndexedParallelIterator<Item = Range<usize>> {
     const PLACES_A_TASK: usize = 8192;
-    let parts: Vec<Part> = (0..at_place.len().div_ceil(PLACES_A_TASK))
-        .into_par_iter()
-        .map(|task| {
-            let first = task * PLACES_A_TASK;
-            maker.part(first..(first + PLACES_A_TASK).min(at_place.len()))
-        })
-        .collect();
-    join(places, corners.len(), &at_place, parts)
+    let ranges = (0..places.div_ceil(PLACES_A_TASK)).into_par_iter();
+    ranges.map(move |task| {
+        let first = task * PLACES_A_TASK;
+        first..(first + PLACES_A_TASK).min(places)
+    })
 }
 
 /// The cosine from which on two faces are joined. A thousandth of a degree is added so that a
@@ -271,7 +275,7 @@ struct Assigner<'a> {
 }
 
 impl Assigner<'_> {
-    fn part(&self, range: std::ops::Range<usize>) -> Part {
+    fn part(&self, range: Range<usize>) -> Part {
         let mut part = Part::default();
         let mut fan = Fan::default();
         let mut normals = Vec::new();
@@ -303,16 +307,14 @@ impl Assigner<'_> {
         if let Smoothness::Groups(_) = self.smoothness {
             report.by_group += made;
         }
-        if made == 0 && self.naive.is_none() {
-            return;
-        }
-        fan.gather(self.places, self.corners, corners);
         if let Some(weight) = self.naive {
+            fan.gather_faces(self.places, self.corners, corners);
             remake(weight, fan, normals, report);
         }
         if made == 0 {
             return;
         }
+        fan.gather(self.places, self.corners, corners);
         fan.join(self.smoothness);
         fan.replace_zeros(normals);
         for (&c, normal) in corners.iter().zip(normals) {

@@ -7,12 +7,14 @@
 //! another average serves better, which is where large faces meet small ones. All others stay as they are: at
 //! regular faces exact normals are averages as well.
 
+use std::sync::{Mutex, PoisonError};
+
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::Assigner;
 use super::fan::Fan;
 use super::weights::{Areas, Face, LEAST_RATIO, NaiveWeight};
+use super::{Assigner, tasks};
 use crate::mesh::SAME_NORMAL_ANGLE;
 
 /// How far (0.05 degrees) a stored normal may be off an average: what a few decimals of a text file round by.
@@ -45,12 +47,17 @@ impl Group {
         off(1.0).min(off(-1.0)) < SAME_AVERAGE * SAME_AVERAGE
     }
 
+    /// Whether areas make another average than the angles' alone.
+    fn is_uneven(&self, fan: &Fan) -> bool {
+        Areas::of(self.faces(fan)).ratio() > LEAST_RATIO
+    }
+
     /// The normal that serves better than this average; none where the stored one stays.
     pub fn remade(&self, weight: NaiveWeight, fan: &Fan) -> Option<DVec3> {
-        let areas = Areas::of(self.faces(fan));
-        if areas.ratio() <= LEAST_RATIO || !self.is_average(weight, fan) {
+        if !self.is_uneven(fan) || !self.is_average(weight, fan) {
             return None;
         }
+        let areas = Areas::of(self.faces(fan));
         let made = areas.sum(self.faces(fan)).try_normalize()?;
         Some(made * made.dot(self.normal).signum())
     }
@@ -76,39 +83,57 @@ pub(super) fn group(normals: &[DVec3]) -> Vec<Group> {
     groups
 }
 
-/// How many corners have a stored normal, and of how many it is each of the averages.
+/// What the stored normals of some corners are.
 #[derive(Clone, Copy, Default)]
 struct Votes {
+    /// Corners that have one.
     corners: u64,
+    /// Of how many it is each of the averages.
     averages: [u64; NaiveWeight::ALL.len()],
+    /// Whether a group has faces of so different areas that its normal would be made anew.
+    any_uneven: bool,
 }
 
 impl Votes {
-    fn add(mut self, other: Self) -> Self {
+    fn add(&mut self, other: Self) {
         self.corners += other.corners;
         for (sum, more) in self.averages.iter_mut().zip(other.averages) {
             *sum += more;
         }
-        self
+        self.any_uneven |= other.any_uneven;
+    }
+
+    /// Whether some average may still turn out to be nearly all normals of so many corners.
+    fn may_be_naive(&self, all: u64) -> bool {
+        let most_others = (1.0 - NAIVE_SHARE) * all as f64;
+        let others = |votes: &u64| (self.corners - votes) as f64;
+        self.averages
+            .iter()
+            .any(|votes| others(votes) <= most_others)
     }
 }
 
 impl Assigner<'_> {
-    /// The average that nearly all stored normals are; `None` if they are more than that.
+    /// The average that nearly all stored normals are; `None` if they are more than that, or would all stay as
+    /// they are.
     pub(super) fn naive_weight(&self) -> Option<NaiveWeight> {
         self.stored?;
-        let votes = (0..self.at_place.len())
-            .into_par_iter()
-            .fold(
-                || (Votes::default(), Fan::default()),
-                |(votes, mut fan), place| (votes.add(self.votes(place, &mut fan)), fan),
-            )
-            .map(|(votes, _)| votes)
-            .reduce(Votes::default, Votes::add);
+        let all = 3 * self.corners.len() as u64;
+        let so_far = Mutex::new(Votes::default());
+        // Most files are known to be more than averages long before their end.
+        tasks(self.at_place.len()).try_for_each(|places| {
+            let mut votes = Votes::default();
+            let mut fan = Fan::default();
+            places.for_each(|place| votes.add(self.votes(place, &mut fan)));
+            let mut so_far = so_far.lock().unwrap_or_else(PoisonError::into_inner);
+            so_far.add(votes);
+            so_far.may_be_naive(all).then_some(())
+        })?;
+        let votes = so_far.into_inner().unwrap_or_else(PoisonError::into_inner);
         let by_votes = (votes.averages.into_iter()).zip(NaiveWeight::ALL);
         let (most, weight) = by_votes.max_by_key(|(votes, _)| *votes)?;
         let is_naive = most as f64 >= NAIVE_SHARE * votes.corners as f64 && most > 0;
-        is_naive.then_some(weight)
+        (is_naive && votes.any_uneven).then_some(weight)
     }
 
     fn votes(&self, place: usize, fan: &mut Fan) -> Votes {
@@ -117,13 +142,14 @@ impl Assigner<'_> {
         let normals: Vec<DVec3> = (corners.iter())
             .map(|&corner| self.stored_normal(corner, &mut unread))
             .collect();
-        fan.gather(self.places, self.corners, corners);
+        fan.gather_faces(self.places, self.corners, corners);
         let with_normal = normals.iter().filter(|normal| **normal != DVec3::ZERO);
         let mut votes = Votes {
             corners: with_normal.count() as u64,
             ..Votes::default()
         };
         for group in group(&normals) {
+            votes.any_uneven |= group.is_uneven(fan);
             for (sum, weight) in votes.averages.iter_mut().zip(NaiveWeight::ALL) {
                 if group.is_average(weight, fan) {
                     *sum += group.members.len() as u64;
