@@ -131,9 +131,11 @@ fn from_far_away_the_curved_surface_is_seen_as_well_as_flat_triangles() {
             let curved = likeness(&scene(&body, &options), &rays);
             let what = format!("from {distance:e}: {curved:?}, flat {flat:?}, {options:?}");
             // Nearest to where rays are not moved any more those along edges meet either neighbour.
-            assert!(curved.same >= flat.same - 0.002, "{what}");
+            let less = if distance < 1e4 { 0.002 } else { 0.0 };
+            assert!(curved.same >= flat.same - less, "{what}");
             assert!(curved.lost <= flat.lost, "{what}");
             assert!(curved.angles[0] < 1e-3 && curved.tilted < 0.005, "{what}");
+            println!("{what}");
         }
     }
 }

@@ -2,11 +2,13 @@
 
 use curvetri::curved::CurvedOptions;
 use curvetri::render::{
-    Camera, Film, Form, PacketWidth, Picture, Projection, Scene, UpAxis, UserRay, UserRays,
-    answer_all_hits, answer_occluded, answer_rays, aovs, render,
+    Camera, Film, Form, PacketWidth, Picture, Projection, Scene, UpAxis, UserRay, answer_all_hits,
+    answer_occluded, answer_rays, aovs, render,
 };
 use curvetri_bodies::{Body, SplitMix};
 use glam::DVec3;
+
+use crate::batch;
 
 fn torus(form: Form) -> Scene {
     let device = curvetri::linked::device().unwrap();
@@ -45,26 +47,18 @@ fn from_afar(ray: &UserRay, earlier: f64) -> UserRay {
     }
 }
 
-fn asked<'a>(count: usize, ray: &'a (dyn Fn(usize) -> UserRay + Sync)) -> UserRays<'a> {
-    UserRays {
-        count,
-        ray,
-        progress: &|_| (),
-    }
-}
-
 #[test]
 fn rays_from_far_away_hit_what_they_hit_from_near() {
     for form in forms() {
         let scene = torus(form);
         let near = rays(&scene, 5_000);
-        let expected = answer_rays(&scene, &asked(near.len(), &|n| near[n]), PacketWidth::One);
+        let expected = answer_rays(&scene, &batch(near.len(), &|n| near[n]), PacketWidth::One);
         assert!(expected.t.iter().filter(|t| t.is_finite()).count() > 2_000);
         for earlier in [1e3, 1e5, 1e7] {
             let far = |n: usize| from_afar(&near[n], earlier);
             for width in [PacketWidth::One, PacketWidth::Sixteen] {
-                let found = answer_rays(&scene, &asked(near.len(), &far), width);
-                let occluded = answer_occluded(&scene, &asked(near.len(), &far), width);
+                let found = answer_rays(&scene, &batch(near.len(), &far), width);
+                let occluded = answer_occluded(&scene, &batch(near.len(), &far), width);
                 let (mut off, mut tilted) = (0, 0);
                 for (n, occluded) in occluded.into_iter().enumerate() {
                     let [t, u] = [expected.t[n], found.t[n] - earlier];
@@ -98,7 +92,7 @@ fn rays_from_far_away_end_where_they_say_in_double_precision() {
         .iter()
         .map(|ray| from_afar(ray, 1e6))
         .collect();
-    let all = answer_all_hits(&scene, &asked(far.len(), &|n| far[n]), PacketWidth::One, 4);
+    let all = answer_all_hits(&scene, &batch(far.len(), &|n| far[n]), PacketWidth::One, 4);
     let mut cut = Vec::new();
     for (n, ray) in far.iter().enumerate() {
         let t = &all.hits.t[4 * n..][..4];
@@ -129,7 +123,7 @@ fn rays_from_far_away_end_where_they_say_in_double_precision() {
         PacketWidth::Eight,
         PacketWidth::Sixteen,
     ] {
-        let found = answer_rays(&scene, &asked(cut.len(), &|n| cut[n].0), width);
+        let found = answer_rays(&scene, &batch(cut.len(), &|n| cut[n].0), width);
         let differ = (found.t.iter().zip(&cut)).filter(|(t, (_, expected))| *t != expected);
         // A second hit may lie as near.
         let differ = differ.count();

@@ -5,10 +5,12 @@ use curvetri::curved::CurvedOptions;
 use curvetri::embree::{Hit, QueryOptions, Ray};
 use curvetri::mesh::{Mesh, Parts, Placement};
 use curvetri::render::{
-    Form, PacketWidth, Scene, UserRay, UserRays, answer_all_hits, answer_occluded, answer_rays,
+    Form, PacketWidth, Scene, UserRay, answer_all_hits, answer_occluded, answer_rays,
 };
 use curvetri_bodies::{Body, SplitMix};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
+
+use crate::batch;
 
 fn forms() -> [Form; 3] {
     [
@@ -79,14 +81,6 @@ fn rays(scene: &Scene, transforms: &[DAffine3], count: usize) -> Vec<UserRay> {
         .collect()
 }
 
-fn asked<'a>(count: usize, ray: &'a (dyn Fn(usize) -> UserRay + Sync)) -> UserRays<'a> {
-    UserRays {
-        count,
-        ray,
-        progress: &|_| (),
-    }
-}
-
 #[test]
 fn instances_are_hit_as_meshes_in_their_places() {
     let device = curvetri::linked::device().unwrap();
@@ -111,7 +105,7 @@ fn instances_are_hit_as_meshes_in_their_places() {
             let rays = rays(&instances, &transforms, 6000);
             let ray = |n: usize| rays[n];
             let [one, other] = [&instances, &copies]
-                .map(|scene| answer_rays(scene, &asked(rays.len(), &ray), PacketWidth::One));
+                .map(|scene| answer_rays(scene, &batch(rays.len(), &ray), PacketWidth::One));
             // The curved surface of a stretched mesh is not quite the stretched curved surface, and the
             // angular one has creases.
             let (near, alike, share) = match form {
@@ -147,21 +141,21 @@ fn packets_all_hits_and_occlusion_agree_on_instances() {
         let scene = Scene::with_filters(&device, parts, form).unwrap();
         let rays = rays(&scene, &transforms(), 3000);
         let ray = |n: usize| rays[n];
-        let asked = asked(rays.len(), &ray);
-        let single = answer_rays(&scene, &asked, PacketWidth::One);
+        let rays_of_all = batch(rays.len(), &ray);
+        let single = answer_rays(&scene, &rays_of_all, PacketWidth::One);
         for width in [PacketWidth::Four, PacketWidth::Eight, PacketWidth::Sixteen] {
-            let hits = answer_rays(&scene, &asked, width);
+            let hits = answer_rays(&scene, &rays_of_all, width);
             let off = (0..rays.len()).filter(|&n| {
                 let apart = (hits.t[n] - single.t[n]).abs() > 1e-4;
                 apart || (hits.prim_id[n] != single.prim_id[n] && hits.t[n] != single.t[n])
             });
             assert_eq!(off.count(), 0, "{form:?} {width:?}");
-            let occluded = answer_occluded(&scene, &asked, width);
+            let occluded = answer_occluded(&scene, &rays_of_all, width);
             let hit: Vec<bool> = single.t.iter().map(|t| t.is_finite()).collect();
             assert_eq!(occluded, hit, "{form:?} {width:?}");
         }
         // From outside closed bodies: in and out by turns, each front of its own side.
-        let all = answer_all_hits(&scene, &asked, PacketWidth::Eight, 16);
+        let all = answer_all_hits(&scene, &rays_of_all, PacketWidth::Eight, 16);
         assert!(all.count.iter().any(|&count| count > 4));
         let mut odd = 0;
         for (n, ray) in rays.iter().enumerate() {

@@ -282,30 +282,29 @@ fn a_mesh_far_from_the_origin_is_rendered_as_one_near_it() {
     assert!(apart <= 3, "pictures differ by {apart} of 255");
 }
 
-#[test]
-fn triangles_within_a_tolerance_in_pixels_stay_flat() {
-    let shop = Workshop::new();
+/// The unit sphere of many triangles.
+fn fine_ball(shop: &Workshop) -> String {
     let mesh = shop.path("fine.obj");
     let ball = shop.sphere("ball.obj");
     shop.succeeds(&["tessellate", &ball, "--level", "8", "-o", &mesh]);
+    mesh
+}
+
+/// How many triangles of a mesh stay flat by the tolerance among these options.
+fn flat_by_tolerance(shop: &Workshop, mesh: &str, options: &[&str]) -> u64 {
+    let picture = shop.path("ball.png");
+    let args = ["render", mesh, "-o", &picture, "--samples", "1", "--json"];
+    let said = stdout(&shop.succeeds(&[&args[..], options].concat()));
+    let stats: serde_json::Value = serde_json::from_str(&said).unwrap();
+    stats["triangles"]["flat_tolerance"].as_u64().unwrap()
+}
+
+#[test]
+fn triangles_within_a_tolerance_in_pixels_stay_flat() {
+    let shop = Workshop::new();
+    let mesh = fine_ball(&shop);
     let flat = |tolerance: &str, size: &str| {
-        let picture = shop.path("ball.png");
-        let args = [
-            "render",
-            &mesh,
-            "-o",
-            &picture,
-            "--samples",
-            "1",
-            "--json",
-            "--size",
-            size,
-            "--tolerance",
-            tolerance,
-        ];
-        let stats: serde_json::Value =
-            serde_json::from_str(&stdout(&shop.succeeds(&args))).unwrap();
-        stats["triangles"]["flat_tolerance"].as_u64().unwrap()
+        flat_by_tolerance(&shop, &mesh, &["--size", size, "--tolerance", tolerance])
     };
     assert_eq!(flat("0px", "40x30"), 0);
     let [coarse, fine] = ["40x30", "1200x900"].map(|size| flat("2px", size));
@@ -375,27 +374,12 @@ fn an_orthographic_camera_sees_all_or_as_much_as_is_asked_for() {
 #[test]
 fn a_tolerance_in_pixels_counts_an_orthographic_camera_s() {
     let shop = Workshop::new();
-    let mesh = shop.path("fine.obj");
-    let ball = shop.sphere("ball.obj");
-    shop.succeeds(&["tessellate", &ball, "--level", "8", "-o", &mesh]);
+    let mesh = fine_ball(&shop);
     let flat = |height: &str, eye: &str| {
-        let picture = shop.path("ball.png");
-        let args = ["render", &mesh, "-o", &picture, "--samples", "1", "--json"];
         let height = format!("--orthographic={height}");
-        let view = [
-            &height,
-            "--eye",
-            eye,
-            "--target",
-            "0,0,0",
-            "--size",
-            "40x30",
-            "--tolerance",
-            "1px",
-        ];
-        let said = stdout(&shop.succeeds(&[&args[..], &view].concat()));
-        let stats: serde_json::Value = serde_json::from_str(&said).unwrap();
-        stats["triangles"]["flat_tolerance"].as_u64().unwrap()
+        let view = [&height, "--eye", eye, "--target", "0,0,0"];
+        let picture = ["--size", "40x30", "--tolerance", "1px"];
+        flat_by_tolerance(&shop, &mesh, &[&view[..], &picture].concat())
     };
     // A pixel of a tenth, from within and from far away, or of a ten-thousandth.
     let near = flat("3", "0,0,1.5");
