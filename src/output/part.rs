@@ -125,10 +125,10 @@ fn make(directory: &Path, prefix: &str, old: Option<&Metadata>) -> io::Result<Na
         .suffix(SUFFIX)
         .rand_bytes(RANDOM)
         .make_in(directory, |path| new_file(old).open(path))?;
-    parts.insert(file.path().to_path_buf());
     if let Some(old) = old {
         file.as_file().set_permissions(old.permissions())?;
     }
+    parts.insert(file.path().to_path_buf());
     Ok(file)
 }
 

@@ -127,12 +127,17 @@ impl Ground {
 
 impl FixedGround {
     pub(super) fn under(scene: &Scene, up: Vec3) -> Self {
-        let bounds = scene.bounds();
+        let (centre, radius) = Self::ball(scene);
         Self {
             height: f64::from(scene.lowest(up)) + scene.origin().dot(up.as_dvec3()),
-            centre: bounds.centre(),
-            radius: 0.5 * bounds.diagonal(),
+            centre,
+            radius,
         }
+    }
+
+    /// The middle and the radius of what lies on the ground, without the search for its height.
+    fn ball(scene: &Scene) -> (DVec3, f64) {
+        (scene.bounds().centre(), 0.5 * scene.bounds().diagonal())
     }
 }
 
@@ -174,7 +179,7 @@ impl Picture {
         let vicinity = Vicinity::of(scene.bounds());
         let ground = match self.ground {
             Ground::None => return Ok(lens.near(vicinity)),
-            Ground::Plane => (scene.bounds().centre(), 0.5 * scene.bounds().diagonal()),
+            Ground::Plane => FixedGround::ball(scene),
             Ground::Fixed(ground) => (ground.centre, ground.radius),
         };
         let (centre, radius) = ground;
