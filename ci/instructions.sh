@@ -7,7 +7,7 @@
 #   ci/instructions.sh --write     writes the counts of today; commit them with what changed them
 #
 # The counts are those of one compiler and of AVX2, the most that valgrind knows: with another compiler, or
-# on another processor, differences are told and are no failure. LIMIT=1 compares within 1 %.
+# on another processor, differences are reported and are no failure. LIMIT=1 compares within 1 %.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -22,7 +22,7 @@ ci/setup.sh valgrind
 cargo build --quiet --release --locked --package curvetri-method --example instructions
 program=${CARGO_TARGET_DIR:-target}/release/examples/instructions
 
-# Everything that the program does but the calls is left out.
+# Only the calls are counted, not what prepares them.
 callgrind() {
     valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect='instructions::measured' \
         "$program" "$@"
@@ -54,7 +54,7 @@ if [ "$mode" = --write ]; then
     exit 0
 fi
 
-# All lines that either file has; what one lacks counts as none.
+# A case that only one of the files has is a failure.
 if awk -v limit="$limit" '
     /^#/ { next }
     FNR == NR { before[$1] = $2; order[++count] = $1; next }

@@ -22,7 +22,7 @@ const ENDING: [i32; 5] = [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU];
 /// # Errors
 /// If the operating system refuses.
 pub fn handle() -> io::Result<()> {
-    // The signal's only work is done by having a handler: it interrupts no write then.
+    // With a handler, whatever it does, a write beyond the limit fails and does not end the program.
     signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
     let ignored = ignored();
     let mut signals = Signals::new(ENDING.iter().filter(|&&signal| !ignored.contains(signal)))?;

@@ -11,7 +11,8 @@ use crate::embree::{QueryRays, SurfaceHit};
 use curvetri_method::{MAX_LANES, RayLanes};
 
 /// From how many extents on rays are moved. At this distance rounding of a ray's place comes to 6e-5 of an
-/// extent. Cameras are hardly ever as far from any cluster that is more than a dot to them.
+/// extent, and the cluster covers about a pixel of a usual picture. The camera's rays at a mesh whose clusters
+/// are smaller than that are moved.
 const FAR: f32 = 1024.0;
 
 /// The lanes whose rays come from far away from something around `middle` that is not larger than `extent`.

@@ -377,7 +377,7 @@ impl Scene {
             coherent: u32::from(options.coherent && !packet.leads_hardly_back()),
             filter: options.filter.map(|_| query_filter as _),
         };
-        // A packet's rays meet only what Embree finds before their ends, a single ray what is there as well.
+        // Embree's packets miss what lies at the end of a ray without length, its single rays do not.
         let points = packet.points() & lanes;
         let longer = lanes & !points;
         run(self.0.embree(), options.filter, || {

@@ -80,7 +80,7 @@ pub struct CompareArgs {
     pub surface: SurfaceArgs,
 }
 
-/// Further forms to compare. Surfaces are as they are without any options.
+/// Further forms to compare. Those that name a surface have it without any other options.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum AlsoChoice {
     /// Flat triangles, lit by their own normals

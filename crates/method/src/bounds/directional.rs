@@ -20,7 +20,7 @@ pub struct DirectionalBounds<V> {
 
 impl<V: Constant> DirectionalBounds<V> {
     /// Of a triangle over three positions with unit normals, with a surface within these least and greatest
-    /// heights in units of the [size](super::Patch::size). Of a plane triangle both are zero.
+    /// heights in units of the [size](crate::Patch::size). Of a plane triangle both are zero.
     #[inline(always)]
     pub fn new(positions: [Vector<V>; 3], normals: &[Vector<V>; 3], slab: [V; 2]) -> Self {
         let frame = TriangleFrame::of_sound(&positions, normals);

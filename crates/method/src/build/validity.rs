@@ -75,7 +75,7 @@ fn stands_on_edge<S: Constant>(patch: &Patch<S>, k: usize) -> S::Mask {
     stands
 }
 
-/// What [`Edge::rise`](super::patch::Edge::rise) is to the paper's planes, for the ramp of obtuse
+/// What [`Edge::rise`](crate::patch::Edge::rise) is to the paper's planes, for the ramp of obtuse
 /// triangles: the ramp `b_m / min(b_i, b_j)` is steepest at the median or at the edge.
 #[inline(always)]
 fn ramp_rise<S: Constant>(foot: S) -> [S; 2] {

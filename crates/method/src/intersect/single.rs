@@ -103,7 +103,7 @@ impl<S: Simd> EdgesInLanes<S> {
         }
     }
 
-    /// The same as [`Outline::clip`](super::Outline::clip).
+    /// The same as [`ClipVolume::clip`](crate::patch::ClipVolume::clip).
     #[inline(always)]
     pub fn clip(&self, ray: &Ray<f32>) -> RayInterval<f32> {
         let [from, along] = localized(ray, self.frame.origin, self.frame.size.per_power_of_two());

@@ -23,7 +23,7 @@ pub(crate) struct ClipVolume<S> {
     pub(crate) planes: [HalfSpace<S>; 5],
     /// In the slab's place, where it was requested.
     pub(crate) sphere: Option<Sphere<S>>,
-    /// Twice the area, of a flat triangle that is [thin](super::frame::THIN).
+    /// Twice the area, of a flat triangle that is [thin](super::THIN).
     pub(crate) thin: Option<S>,
     pub(crate) exists: bool,
 }

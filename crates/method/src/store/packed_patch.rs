@@ -16,7 +16,7 @@ pub struct PackedPatch {
     correction: [[i16; 3]; 3],
     flags: PatchFlags,
     kind: u8,
-    /// How far the surface is off a paraboloid, as [`super::paraboloid`] keeps it.
+    /// How far the surface is off a paraboloid, packed by the codecs.
     unevenness: u8,
     exponent: i8,
     /// Of the sphere of greatest curvature, where that bounds the patch.
