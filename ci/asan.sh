@@ -48,10 +48,5 @@ profile=(--config profile.test.debug-assertions=true --config 'profile.test.debu
 if [ "${1:-}" = --contract ]; then
     cargo test --locked --target "$host" "${profile[@]}" --lib --test contract
 else
-    # Little of it is arithmetic, so that compiling costs more than running. Nothing being inlined, each
-    # operation on lanes has a frame with room around it: more than a test's thread has by default. What is
-    # skipped traces hundreds of thousands of rays, in no other way than the others do.
-    RUST_MIN_STACK=$((256 << 20)) cargo test --locked --target "$host" "${profile[@]}" \
-        --config profile.test.opt-level=0 --package curvetri-embree --package curvetri-embree-linked \
-        --package curvetri --lib --test embree -- --skip closed_meshes_stay_closed --skip glass_tests
+    ci/wrapper_tests.sh --target "$host" "${profile[@]}"
 fi
