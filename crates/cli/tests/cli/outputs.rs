@@ -10,8 +10,13 @@ use crate::program::{Workshop, stderr};
 /// Begins a picture that takes minutes, and waits until its file is begun.
 fn long_render(shop: &Workshop) -> Child {
     let mesh = shop.sphere("ball.obj");
-    let mut program = Command::new(env!("CARGO_BIN_EXE_curvetri"));
+    // Who runs the tests may ignore signals, as nohup does; then the program would as well.
+    let mut program = Command::new("env");
     program
+        .args([
+            "--default-signal=INT,TERM,HUP",
+            env!("CARGO_BIN_EXE_curvetri"),
+        ])
         .args(["render", &mesh, "-o", &shop.path("out.png")])
         .args(["--size", "4000x4000", "--samples", "256"])
         .stderr(Stdio::null());
